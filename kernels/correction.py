@@ -1,0 +1,135 @@
+"""Mixed kernel-and-gradient correction (method section 2; Bonet & Lok 1999; paper A eqs 3-5 and 14).
+
+A particle stores K = K_a / S_a and G = G_a / S_a, so that the corrected gradient of a pair is
+g_ab = K (∇_a W_ab - G W_ab): K = 1, G = 0 is the plain gradient, the fallback.
+"""
+
+import functools
+from typing import NamedTuple
+
+import warp as wp
+
+from .mirror import make_mirror
+from .smoothing import Smoothing
+from .spec import Spec
+from .tensor import make_tensor
+
+CONDITION = 1.0e-3
+"""Smallest det(M)/|M|^d of the moment matrix that is inverted; a worse one falls back to the plain gradient."""
+
+AXIS_SHARE = 1.0e-2
+"""Components of a pair's separation below this share of h are left out of the limiter's comparison."""
+
+
+@functools.cache
+def make_correction(s: Spec, smoothing: Smoothing, planes: bool) -> wp.Kernel:
+    """Build the kernel that computes K and G."""
+    real, vec, mat, dim = s.real, s.vec, s.mat, s.dim
+    mirror, tensor = make_mirror(s, planes), make_tensor(s)
+    w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
+    bound = real(CONDITION)
+
+    @wp.func
+    def inverse_or_identity(M: mat, neighbours: wp.int32):
+        """M⁻¹ in the components that move, or 1 where M is ill-conditioned or there is one neighbour or none."""
+        one = wp.identity(n=3, dtype=real)
+        size = real(0.0)
+        for c in range(dim):
+            size = wp.max(size, wp.length(M[c]))
+        for c in range(dim, 3):
+            M[c, c] = size
+        det = wp.determinant(M)
+        ok = neighbours >= 2 and wp.abs(det) > bound * size * size * size
+        if ok:
+            one = wp.inverse(M)
+        return one, ok
+
+    @wp.kernel(module=s.module(__name__, smoothing.name + ("_planes" if planes else "")))
+    def correction(
+        offset: wp.int32,
+        # in:
+        x: wp.array[vec],
+        vol: wp.array[real],
+        h: real,
+        plane: vec,
+        dt: wp.array[real],
+        start: wp.array[wp.int32],
+        neigh: wp.array[wp.int32],
+        # out:
+        K: wp.array[mat],
+        G: wp.array[vec],
+    ):
+        """S = Σ V W, G = Σ V ∇W / S, K = [Σ V ∇~W~ ⊗ (x_b - x_a)]⁻¹ / S (section 2; paper A eqs 3-5)."""
+        i = wp.tid() + offset
+        if dt[0] == real(0.0):
+            return
+        xi = x[i]
+        r_max2 = support * support * h * h
+        shepard = vol[i] * w(real(0.0), h)
+        sum_G = vec()
+        neighbours = wp.int32(0)
+        for k in range(start[i], start[i + 1]):
+            j = mirror.index(neigh[k])
+            xij = xi - mirror.point(x[j], mirror.sign(neigh[k]), plane)
+            r2 = tensor.dot(xij, xij)
+            if r2 < r_max2:
+                r = wp.sqrt(r2)
+                shepard += vol[j] * w(r, h)
+                sum_G += (vol[j] * dw_r(r, h)) * xij
+                neighbours += 1
+        log_G = sum_G / shepard
+        M = mat()
+        for k in range(start[i], start[i + 1]):
+            j = mirror.index(neigh[k])
+            xij = xi - mirror.point(x[j], mirror.sign(neigh[k]), plane)
+            r2 = tensor.dot(xij, xij)
+            if r2 < r_max2:
+                r = wp.sqrt(r2)
+                M -= (vol[j] / shepard) * wp.outer(dw_r(r, h) * xij - w(r, h) * log_G, xij)
+        inverse, ok = inverse_or_identity(M, neighbours)
+        if ok:
+            K[i] = inverse / shepard
+            G[i] = log_G
+        else:
+            K[i] = inverse
+            G[i] = vec()
+
+    return correction
+
+
+class Gradient(NamedTuple):
+    """Pair gradient as a device function, and whether it is corrected."""
+
+    of_pair: wp.Function
+    corrected: bool
+
+
+@functools.cache
+def make_gradient(s: Spec, corrected: bool) -> Gradient:
+    """Build g_ab(xij, dw, w, K, G, h, limit): corrected and limited, or the plain ∇W = dw xij."""
+    real, vec, mat = s.real, s.vec, s.mat
+    tensor = make_tensor(s)
+    share = real(AXIS_SHARE)
+
+    if not corrected:
+
+        @wp.func
+        def of_pair(xij: vec, dw: real, w_ij: real, K: mat, G: vec, h: real, limit: real):
+            return dw * xij
+
+        return Gradient(of_pair, False)
+
+    @wp.func
+    def of_pair(xij: vec, dw: real, w_ij: real, K: mat, G: vec, h: real, limit: real):
+        """K (∇W - G W), or ∇W where a component's ratio leaves [1/limit, limit] (paper A 3.2)."""
+        plain = dw * xij
+        g = tensor.product(K, plain - w_ij * G)
+        for c in range(wp.static(s.dim)):
+            if wp.abs(xij[c]) > share * h:
+                ratio = g[c] * plain[c]
+                square = plain[c] * plain[c]
+                if ratio > limit * square or ratio * limit < square:
+                    g = plain
+        return g
+
+    return Gradient(of_pair, True)

@@ -1,0 +1,70 @@
+"""One row of the material table: what the device functions of EOS and strength read."""
+
+import enum
+import functools
+
+import warp as wp
+
+from .spec import Spec
+
+
+class EosId(enum.IntEnum):
+    """Equation of state of a material; the switch in ``eos.py`` has one row for each."""
+
+    LINEAR_ELASTIC = 0
+    STIFFENED_GAS = 1
+    ISOTHERMAL_MIE_GRUENEISEN = 2
+    SHOCK_MIE_GRUENEISEN = 3
+    CUBIC_GRUENEISEN = 4
+    POLYNOMIAL = 5
+    IDEAL_GAS = 6
+
+
+class StrengthId(enum.IntEnum):
+    """Strength law of a material; the switch in ``strength.py`` has one row for each."""
+
+    FLUID = 0
+    ELASTIC = 1
+    PERFECTLY_PLASTIC = 2
+    LINEAR_HARDENING = 3
+
+
+@functools.cache
+def _material(real: type) -> type:
+    """Build the struct of one precision: a material does not know the dimension."""
+
+    @wp.struct
+    class Material:
+        """Constants of one material in SI units, by the letters of the laws that use them; unused ones are 0."""
+
+        eos: wp.int32  # EosId
+        strength: wp.int32  # StrengthId
+        rho0: real  # reference density [kg/m^3]
+        c_min: real  # floor of the sound speed [m/s]
+        p_min: real  # pressure cut-off [Pa], -inf for none
+        # equation of state
+        K: real
+        c0: real
+        gamma0: real
+        S1: real
+        S2: real
+        S3: real
+        Gamma0: real
+        a: real
+        k1: real
+        k2: real
+        k3: real
+        B0: real
+        B1: real
+        gamma: real
+        # strength
+        G: real
+        Y: real
+        H: real
+
+    return Material
+
+
+def make_material(s: Spec) -> type:
+    """Give the struct of one specialisation; specialisations of one precision share it."""
+    return _material(s.real)

@@ -1,0 +1,84 @@
+"""Symmetry planes: a neighbour entry may name a mirror image of a particle.
+
+An entry packs the particle's index with three bits, one per coordinate axis, that say in which planes
+the image is reflected. A build without planes compiles to plain indices.
+"""
+
+import functools
+from typing import NamedTuple
+
+import warp as wp
+
+from .spec import Spec
+
+INDEX_BITS = 28
+"""Bits of an entry that hold the particle index; the three above hold the reflections."""
+
+
+class Mirror(NamedTuple):
+    """Device functions of this file; `sign` is +1 or -1 per component."""
+
+    index: wp.Function
+    sign: wp.Function
+    point: wp.Function
+    vector: wp.Function
+    tensor: wp.Function
+
+
+@functools.cache
+def make_mirror(s: Spec, planes: bool) -> Mirror:
+    """Build the functions; without ``planes`` they hand their argument through."""
+    real, vec, mat = s.real, s.vec, s.mat
+
+    if not planes:
+
+        @wp.func
+        def index(entry: wp.int32):
+            return entry
+
+        @wp.func
+        def sign(entry: wp.int32):
+            return vec(real(1.0), real(1.0), real(1.0))
+
+        @wp.func
+        def point(x: vec, s: vec, plane: vec):
+            return x
+
+        @wp.func
+        def vector(v: vec, s: vec):
+            return v
+
+        @wp.func
+        def tensor(T: mat, s: vec):
+            return T
+
+    else:
+        low = wp.constant((1 << INDEX_BITS) - 1)
+
+        @wp.func
+        def index(entry: wp.int32):
+            return entry & low
+
+        @wp.func
+        def bit(entry: wp.int32, axis: wp.int32):
+            if (entry >> (INDEX_BITS + axis)) & 1 == 1:
+                return real(-1.0)
+            return real(1.0)
+
+        @wp.func
+        def sign(entry: wp.int32):
+            return vec(bit(entry, 0), bit(entry, 1), bit(entry, 2))
+
+        @wp.func
+        def point(x: vec, s: vec, plane: vec):
+            return wp.cw_mul(s, x - plane) + plane
+
+        @wp.func
+        def vector(v: vec, s: vec):
+            return wp.cw_mul(s, v)
+
+        @wp.func
+        def tensor(T: mat, s: vec):
+            return wp.cw_mul(T, wp.outer(s, s))
+
+    return Mirror(index, sign, point, vector, tensor)

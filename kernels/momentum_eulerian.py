@@ -1,0 +1,140 @@
+"""The pair forces of the Eulerian equations: stress, artificial viscosity and artificial stress in one loop."""
+
+import functools
+from dataclasses import dataclass
+
+import warp as wp
+
+from .correction import make_gradient
+from .mirror import make_mirror
+from .smoothing import Smoothing
+from .spec import Spec
+from .tensor import make_tensor
+from .viscosity import make_viscosity
+
+
+@dataclass(frozen=True)
+class PairTerms:
+    """Which terms the pair loop is compiled with.
+
+    Attributes:
+        corrected: Mixed-corrected gradients (section 2).
+        switched: The viscosity is scaled by the pair mean of a switch (Balsara, Morris & Monaghan).
+        artificial_stress: Gray et al.'s term.
+        planes: Neighbour entries may be mirror images.
+    """
+
+    corrected: bool
+    switched: bool
+    artificial_stress: bool
+    planes: bool
+
+    @property
+    def tag(self) -> str:
+        """Short name of the combination."""
+        return "_".join(name for name, on in vars(self).items() if on)
+
+
+@functools.cache
+def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
+    """Build the momentum and energy loop for one set of terms."""
+    real, vec, mat = s.real, s.vec, s.mat
+    mirror, tensor, gradient = make_mirror(s, terms.planes), make_tensor(s), make_gradient(s, terms.corrected)
+    viscosity = make_viscosity(s)
+    w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
+    dot, product, of_pair = tensor.dot, tensor.product, gradient.of_pair
+    corrected, switched, stressed = terms.corrected, terms.switched, terms.artificial_stress
+    needs_w = corrected or stressed
+    half, one = real(0.5), real(1.0)
+
+    @wp.kernel(module=s.module(__name__, "_".join(p for p in (smoothing.name, terms.tag) if p)))
+    def momentum(
+        offset: wp.int32,
+        # in:
+        x: wp.array[vec],
+        v: wp.array[vec],
+        m: wp.array[real],
+        rho: wp.array[real],
+        vol: wp.array[real],
+        cs: wp.array[real],
+        sig: wp.array[mat],
+        av_switch: wp.array[real],
+        R: wp.array[mat],
+        K: wp.array[mat],
+        G: wp.array[vec],
+        h: real,
+        spacing: real,
+        gradient_ratio: real,
+        viscosity_alpha: real,
+        viscosity_beta: real,
+        plane: vec,
+        dt: wp.array[real],
+        start: wp.array[wp.int32],
+        neigh: wp.array[wp.int32],
+        # out:
+        dvdt: wp.array[vec],
+        dedt: wp.array[real],
+        mu: wp.array[real],
+    ):
+        """dvdt = Σ f_ab / m_a [m/s²] and dedt = Σ (w_ab - f_ab·v_a) / m_a [W/kg] (sections 3 and 11; paper A eq 1).
+
+        f_ab = V_a V_b (σ_a g_ab - σ_b g_ba) + m_a m_b/2 (Π_ab - f^4 R_ab)(g_ba - g_ab); mu = largest |mu_ab| [m/s].
+        """
+        i = wp.tid() + offset
+        if dt[0] == real(0.0):
+            return
+        xi, vi, sig_i = x[i], v[i], sig[i]
+        m_i, rho_i, cs_i, vol_i = m[i], rho[i], cs[i], vol[i]
+        r_max2 = support * support * h * h
+        force, dissipative = vec(), vec()
+        power = real(0.0)
+        mu_max = real(0.0)
+        if wp.static(stressed):
+            w_spacing = one / w(spacing, h)
+        for k in range(start[i], start[i + 1]):
+            j = mirror.index(neigh[k])
+            sign = mirror.sign(neigh[k])
+            xij = xi - mirror.point(x[j], sign, plane)
+            r2 = dot(xij, xij)
+            if r2 < r_max2:
+                r = wp.sqrt(r2)
+                dw = dw_r(r, h)
+                w_ij = real(0.0)
+                if wp.static(needs_w):
+                    w_ij = w(r, h)
+                vji = mirror.vector(v[j], sign) - vi
+                sig_j = mirror.tensor(sig[j], sign)
+                mu_ij = viscosity.approach(-dot(vji, xij), r2, h)
+                mu_max = wp.max(mu_max, -mu_ij)
+                pi_ij = viscosity.pressure(
+                    mu_ij, half * (cs_i + cs[j]), half * (rho_i + rho[j]), viscosity_alpha, viscosity_beta
+                )
+                if wp.static(switched):
+                    pi_ij *= half * (av_switch[i] + av_switch[j])
+                if wp.static(corrected):
+                    g_ij = of_pair(xij, dw, w_ij, K[i], G[i], h, gradient_ratio)
+                    g_ji = of_pair(
+                        -xij, dw, w_ij, mirror.tensor(K[j], sign), mirror.vector(G[j], sign), h, gradient_ratio
+                    )
+                    own = product(sig_i, g_ij)
+                    force += vol[j] * (own - product(sig_j, g_ji))
+                    power += vol[j] * dot(vji, own)
+                    g_mean = half * (g_ji - g_ij)
+                else:
+                    g_ij = dw * xij
+                    force += vol[j] * product(sig_i + sig_j, g_ij)
+                    power += vol[j] * dot(vji, product(sig_i, g_ij))
+                    g_mean = -g_ij
+                pair = (m[j] * pi_ij) * g_mean
+                if wp.static(stressed):
+                    f2 = w_ij * w_spacing * w_ij * w_spacing
+                    R_ij = R[i] + mirror.tensor(R[j], sign)
+                    pair -= (m[j] * f2 * f2) * product(R_ij, g_mean)
+                dissipative += pair
+                power += half * (m_i / vol_i) * dot(vji, pair)
+        to_specific = vol_i / m_i
+        dvdt[i] = to_specific * force + dissipative
+        dedt[i] = to_specific * power
+        mu[i] = mu_max
+
+    return momentum

@@ -1,0 +1,149 @@
+"""The time step, found and kept on the device (method section 9)."""
+
+import functools
+from typing import NamedTuple
+
+import warp as wp
+
+from .spec import Spec
+
+RUNNING, DONE, STALE, COLLAPSED, NON_FINITE = 0, 1, 2, 3, 4
+"""What the device says of the next step: take it; t_stop reached; the neighbour rows no longer cover every
+pair; the step fell below its floor; a particle's state is not finite. A step is taken only when RUNNING:
+otherwise dt = 0 and every kernel returns at once."""
+
+FLOOR = 1.0e-6
+"""A step below this share of the first one stops the run."""
+
+ACCELERATION_CFL = 0.25
+"""Coefficient of the acceleration limit sqrt(h/|dv/dt|)."""
+
+VISCOUS_SHARE = 0.6
+"""Weight of the viscous signal speed: c_l + 0.6 (alpha c + beta mu) (Monaghan 1992)."""
+
+
+class TimestepKernels(NamedTuple):
+    """Kernels of this file."""
+
+    local: wp.Kernel
+    decide: wp.Kernel
+
+
+@functools.cache
+def make_timestep(s: Spec) -> TimestepKernels:
+    """Build the kernels for one precision."""
+    real, vec = s.real, s.vec
+    zero, huge = real(0.0), real(1.0e30)
+    share, acceleration = real(VISCOUS_SHARE), real(ACCELERATION_CFL)
+    floor = wp.float64(FLOOR)
+    module = s.module(__name__)
+
+    @wp.func
+    def limit(h: real, cfl: real, cl: real, signal: real, a2: real, check: real):
+        """Largest stable step of one particle [s]; -1 where its state is not finite."""
+        dt_i = cfl * h / (cl + share * signal)
+        if a2 > zero:
+            dt_i = wp.min(dt_i, acceleration * wp.sqrt(h / wp.sqrt(a2)))
+        if not wp.isfinite(check) or not wp.isfinite(dt_i):
+            return real(-1.0)
+        return dt_i
+
+    @wp.kernel(module=module)
+    def local(
+        offset: wp.int32,
+        # in:
+        x: wp.array[vec],
+        v: wp.array[vec],
+        x_listed: wp.array[vec],
+        dvdt: wp.array[vec],
+        rho: wp.array[real],
+        e: wp.array[real],
+        cs: wp.array[real],
+        cl: wp.array[real],
+        mu: wp.array[real],
+        av_switch: wp.array[real],
+        h: real,
+        cfl: real,
+        viscosity_alpha: real,
+        viscosity_beta: real,
+        n: wp.int32,
+        outer_stride: wp.int32,
+        inner_stride: wp.int32,
+        chunk: wp.int32,
+        # out:
+        block_dt: wp.array[real],
+        block_low: wp.array[vec],
+        block_high: wp.array[vec],
+    ):
+        """Block minima of dt_a = cfl h/(c_l + 0.6 q(α c + β mu)) [s], and bounds of the displacements [m]."""
+        b = wp.tid() + offset
+        dt_b = huge
+        low, high = vec(huge, huge, huge), vec(-huge, -huge, -huge)
+        for k in range(chunk):
+            i = b * outer_stride + k * inner_stride
+            if i < n:
+                signal = av_switch[i] * (viscosity_alpha * cs[i] + viscosity_beta * mu[i])
+                check = rho[i] + e[i] + wp.dot(x[i], v[i])
+                dt_b = wp.min(dt_b, limit(h, cfl, cl[i], signal, wp.dot(dvdt[i], dvdt[i]), check))
+                moved = x[i] - x_listed[i]
+                low, high = wp.min(low, moved), wp.max(high, moved)
+        block_dt[b] = dt_b
+        block_low[b] = low
+        block_high[b] = high
+
+    @wp.kernel(module=module)
+    def decide(
+        offset: wp.int32,
+        # in:
+        block_dt: wp.array[real],
+        block_low: wp.array[vec],
+        block_high: wp.array[vec],
+        reach: real,
+        # out:
+        dt: wp.array[real],
+        clock: wp.array[wp.float64],
+        count: wp.array[wp.int32],
+    ):
+        """Set dt [s] and advance the clock.
+
+        clock = [time, t_stop, dt, smallest dt, largest dt, first dt, displacement]; count = [status, steps].
+        Any two particles have moved apart by at most the diagonal of the displacements' bounding box: while that
+        is within ``reach`` (the skin), the neighbour rows hold every pair.
+        """
+        smallest = huge
+        low, high = vec(huge, huge, huge), vec(-huge, -huge, -huge)
+        for k in range(offset, block_dt.shape[0]):
+            smallest = wp.min(smallest, block_dt[k])
+            low, high = wp.min(low, block_low[k]), wp.max(high, block_high[k])
+        moved = wp.length(high - low)
+        step = wp.float64(smallest)
+        left = clock[1] - clock[0]
+        status = wp.int32(RUNNING)
+        if smallest < zero:
+            status = wp.int32(NON_FINITE)
+        elif step < floor * clock[5]:
+            status = wp.int32(COLLAPSED)
+        elif left <= wp.float64(0.0):
+            status = wp.int32(DONE)
+        elif moved > reach:
+            status = wp.int32(STALE)
+        count[0] = status
+        clock[6] = wp.float64(moved)
+        dt[0] = zero
+        if status == RUNNING:
+            if clock[5] == wp.float64(0.0):
+                clock[5] = step
+            clock[3] = wp.min(clock[3], step)
+            clock[4] = wp.max(clock[4], step)
+            if step >= left:
+                step = left
+                clock[0] = clock[1]
+            else:
+                if step > wp.float64(0.5) * left:
+                    step = wp.float64(0.5) * left
+                clock[0] = clock[0] + step
+            clock[2] = step
+            dt[0] = real(step)
+            count[1] = count[1] + 1
+
+    return TimestepKernels(local, decide)

@@ -1,0 +1,1 @@
+"""Bundled scenes, one file each. Installed as ``warpsph.scenes``; run one with ``warpsph run NAME``."""

@@ -1,0 +1,251 @@
+"""The command line: ``warpsph COMMAND``, and the same options for a scene that is run as a script."""
+
+import functools
+import inspect
+import math
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from cyclopts import App, CycloptsError, Group, Parameter, UnusedCliTokensError
+
+from . import __version__, library
+from .errors import InputError, RunError
+from .library import SceneFile
+
+INPUT, STOPPED, INTERRUPTED = 2, 3, 130
+"""Exit codes besides 0: bad input, a run that had to stop, Ctrl-C."""
+
+FILE_ERRORS = (FileNotFoundError, FileExistsError, PermissionError, NotADirectoryError, IsADirectoryError)
+"""Failures of the file system that a user can put right on the command line."""
+
+Flag = Annotated[bool, Parameter(negative="")]
+"""An option without a value and without a ``--no-`` form."""
+
+
+def main(tokens: Sequence[str] | None = None) -> None:
+    """Run a command and exit: 0 done, 2 bad input, 3 run stopped, 130 interrupted.
+
+    Args:
+        tokens: Words after ``warpsph``; those of the process by default.
+    """
+    tokens = list(sys.argv[1:] if tokens is None else tokens)
+    sys.exit(_exit_code(lambda: _app(tokens), tokens))
+
+
+def run_file(path: str) -> None:
+    """Run a scene file as a script and exit; its command line is that of ``warpsph run`` without the scene's name.
+
+    Args:
+        path: ``__file__`` of the scene.
+    """
+    tokens = sys.argv[1:]
+
+    def make() -> App:
+        file = library.load(path)
+        return _new_app(Path(path).name, file.summary, default_command=_run_command(file, script=True))
+
+    sys.exit(_exit_code(make, tokens))
+
+
+def _exit_code(make: Callable[[], App], tokens: list[str]) -> int:
+    """Run an application; every expected failure becomes one line on stderr and its exit code."""
+    try:
+        make()(tokens, exit_on_error=False, print_error=False, verbose=False)
+    except UnusedCliTokensError as error:
+        return _complain(f"unexpected argument {(error.unused_tokens or ['?'])[0]!r}", INPUT)
+    except (CycloptsError, InputError) as error:
+        return _complain(error, INPUT)
+    except FILE_ERRORS as error:
+        return _complain(f"{error.filename}: {error.strerror}", INPUT)
+    except (RunError, OSError) as error:
+        return _complain(error, STOPPED)
+    except KeyboardInterrupt:
+        return _complain("interrupted", INTERRUPTED)
+    return 0
+
+
+def _complain(problem: object, code: int) -> int:
+    """Print one line, whatever the message holds."""
+    print("warpsph:", " ".join(str(problem).split()), file=sys.stderr)
+    return code
+
+
+def _new_app(name: str, text: str, **settings: Any) -> App:
+    """Make an application with this program's habits."""
+    return App(
+        name=name, help=text, version=__version__, help_format="plaintext", result_action="return_none",
+        suppress_keyboard_interrupt=False, default_parameter=Parameter(negative_iterable=""), **settings,
+    )  # fmt: skip
+
+
+def _app(tokens: list[str]) -> App:
+    """Make the application; ``run`` gets the parameters of the scene that the tokens name."""
+    app = _new_app("warpsph", "Smoothed particle hydrodynamics of high-velocity impact, on NVIDIA Warp kernels.")
+    app.command(_run_command(_scene_in(tokens)), name="run")
+    for command in (resume, render, info, plot, materials, scenes, validate, bench):
+        app.command(command)
+    return app
+
+
+def _scene_in(tokens: list[str]) -> SceneFile | None:
+    """Load the scene that a ``run`` names: the first word that is one, else the first word, to complain about."""
+    words = [token for token in tokens[1:] if not token.startswith("-")]
+    if tokens[:1] != ["run"] or not words:
+        return None
+    return library.load(next(filter(library.exists, words), words[0]))
+
+
+def _run_command(file: SceneFile | None, *, script: bool = False) -> Callable:
+    """Make `run` with the parameters of a scene as options; a script has no argument that names the scene."""
+    own = inspect.signature(run).parameters
+    entries = [] if script else [inspect.Parameter("scene", inspect.Parameter.POSITIONAL_ONLY, annotation=SceneName)]
+    entries += list(own.values())[1:-1]
+    group = Group("Parameters of the scene", sort_key=1)
+    for p in file.parameters.values() if file else ():
+        if p.name in own or p.name in ("scene", "help", "version"):
+            raise InputError(f"{file.path}: parameter {p.name!r} of build() is an option of `warpsph run`; rename it")
+        hint = Annotated[p.annotation, Parameter(help=p.help, group=group)]
+        entries.append(inspect.Parameter(p.name, inspect.Parameter.KEYWORD_ONLY, default=p.default, annotation=hint))
+
+    def command(_scene: str = "", /, **options):
+        run(file, **options)
+
+    command.__signature__ = inspect.Signature(entries)
+    command.__doc__ = run.__doc__
+    return command
+
+
+def run(
+    file: SceneFile,
+    /,
+    *,
+    out: Path | None = None,
+    device: str = "cpu",
+    precision: Literal["float64", "float32"] = "float64",
+    until: float | None = None,
+    threads: int | None = None,
+    force: Flag = False,
+    frames: bool = True,
+    **parameters: Any,
+) -> None:
+    """Run a scene; `warpsph run SCENE --help` shows the scene's own parameters too.
+
+    Args:
+        out: Folder for the results; runs/SCENE if not given.
+        device: Where to compute: cpu, or cuda:0, cuda:1, ...
+        precision: Arithmetic of the particles.
+        until: Time to stop at [s], in place of the scene's.
+        threads: CPU threads; all cores if not given.
+        force: Replace what an earlier run left in the folder.
+        frames: Render a picture for each snapshot.
+    """
+    out = out or Path("runs", file.name)
+    _check_limits(until, threads)
+    _check_output(out, force)
+    _quiet_warp()
+    from .launch import find_device
+
+    find_device(device)
+    scene = file.build(**parameters)
+    from . import run as runner
+
+    values = {name: p.default for name, p in file.parameters.items()} | parameters
+    with _reporting() as progress:
+        summary = runner.run(
+            scene, out, device=device, precision=precision, threads=threads, until=until, force=force,
+            parameters=values, source=file.source, frames=frames, progress=progress,
+        )  # fmt: skip
+    _print_summary(summary, out)
+
+
+def resume(
+    folder: Path,
+    /,
+    *,
+    until: float | None = None,
+    device: str | None = None,
+    threads: int | None = None,
+    frames: bool = True,
+) -> None:
+    """Go on with a run from its last checkpoint.
+
+    Args:
+        folder: Folder of the run.
+        until: New time to stop at [s]; that of the run if not given.
+        device: Where to compute; as before if not given.
+        threads: CPU threads; all cores if not given.
+        frames: Render a picture for each snapshot.
+    """
+    _check_limits(until, threads)
+    if not (folder / "checkpoint.h5").is_file():
+        raise InputError(f"{folder} holds no checkpoint.h5; allowed: the folder of a run")
+    _quiet_warp()
+    from . import run as runner
+
+    with _reporting() as progress:
+        summary = runner.resume(
+            folder, until=until, threads=threads, device=device, frames=frames, progress=progress
+        )
+    _print_summary(summary, folder)
+
+
+def info(path: Path, /) -> None:
+    """Describe a run (its summary) or a snapshot (bodies, time, range of every quantity).
+
+    Args:
+        path: Folder of a run, or a .vtkhdf file.
+    """
+    from .info import describe
+
+    print(describe(path))
+
+
+def plot(folder: Path, /, *, output: Path | None = None) -> None:
+    """Plot energy, momentum and the scene's measures against time.
+
+    Args:
+        folder: Folder of a run.
+        output: Picture to write, .png or .svg; history.png in the folder if not given.
+    """
+    from .plot import plot as draw
+
+    print(draw(folder, output))
+
+
+def materials(name: str | None = None, /) -> None:
+    """List the materials of the library, or describe one.
+
+    Args:
+        name: Material to describe.
+    """
+    from . import materials as library_of_materials
+    from .info import table
+
+    if name is not None:
+        print(library_of_materials.get(name).describe())
+        return
+    rows = []
+    for material in map(library_of_materials.get, library_of_materials.names()):
+        laws = material.eos.title, material.strength.title
+        rows.append((material.name, f"{material.density:g}", *laws))
+    print(table(rows, ("material", "density [kg/m^3]", "equation of state", "strength")))
+
+
+def scenes(name: str | None = None, /) -> None:
+    """List the bundled scenes, or describe one with its parameters.
+
+    Args:
+        name: Scene to describe: a bundled one or the path of a .py file.
+    """
+    from .info import table
+
+    if name is None:
+        print(table([(file.name, file.summary) for file in map(library.load, library.names())], ("scene", "")))
+        return
+    file = library.load(name)
+    rows = [(f"--{p.name.replace('_', '-')}", str(p.default), p.kind, p.help) for p in file.parameters.values()]
+    print(f"{file.name}: {file.summary}\n{file.path}")
+    print("\n" + table(rows, ("parameter", "default", "allowed", "")) if rows else "It has no parameters.")

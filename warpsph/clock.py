@@ -1,0 +1,61 @@
+"""Time, time step and the device's verdict on the next step, kept in device memory."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import warp as wp
+
+from .blocks import Blocks
+from .kernels.spec import Spec
+from .launch import Launcher
+
+TIME, T_STOP, DT, DT_MIN, DT_MAX, DT_FIRST, MOVED = range(7)
+"""Entries of `Clock.clock`."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """The clock as the host reads it: times in s, displacement in m, see `kernels.timestep` for the status."""
+
+    time: float
+    dt: float
+    dt_min: float
+    dt_max: float
+    moved: float
+    status: int
+    steps: int
+
+
+class Clock:
+    """Device arrays of the time step, named as the kernels of `kernels.timestep` know them.
+
+    Attributes:
+        dt: The step [s], shape [1]; 0 when no step is to be taken.
+        clock: time, t_stop, dt, smallest, largest and first dt [s], displacement [m], float64.
+        count: Status and number of steps, int32.
+        block_dt: Partial minima of dt [s].
+        block_low: Partial lower bounds of the displacement [m].
+        block_high: Partial upper bounds of the displacement [m].
+    """
+
+    def __init__(self, spec: Spec, launcher: Launcher, blocks: Blocks):
+        with wp.ScopedDevice(launcher.device):
+            self.dt = wp.zeros(1, dtype=spec.real)
+            self.clock = wp.array([0.0, 0.0, 0.0, np.inf, 0.0, 0.0, 0.0], dtype=wp.float64)
+            self.count = wp.zeros(2, dtype=wp.int32)
+            self.block_dt = wp.zeros(blocks.count, dtype=spec.real)
+            self.block_low = wp.zeros(blocks.count, dtype=spec.vec)
+            self.block_high = wp.zeros(blocks.count, dtype=spec.vec)
+
+    def read(self) -> Reading:
+        """Read the clock: the one synchronisation of a batch of steps."""
+        c, n = self.clock.numpy(), self.count.numpy()
+        return Reading(
+            float(c[TIME]), float(c[DT]), float(c[DT_MIN]), float(c[DT_MAX]), float(c[MOVED]), int(n[0]), int(n[1])
+        )
+
+    def stop_at(self, time: float) -> None:
+        """Set the time [s] that no step may pass and the last one hits exactly."""
+        values = self.clock.numpy().copy()
+        values[T_STOP] = time
+        self.clock.assign(values)

@@ -1,0 +1,79 @@
+"""The one table of every particle quantity: drives allocation, sorting, output, checkpoints and rendering.
+
+``name`` is the symbol used in the kernels and on the state (launches bind by it); ``title`` is what a
+user sees in snapshots, on the command line and in pictures.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from .errors import InputError
+
+
+@dataclass(frozen=True)
+class Field:
+    """One particle quantity.
+
+    Attributes:
+        name: Symbol in kernels and on the state.
+        kind: ``int`` and ``real`` have shape [n], ``vec`` [n, 3], ``mat`` [n, 3, 3].
+        unit: SI unit, ``"1"`` if dimensionless.
+        title: Name in snapshots and on the command line.
+        meaning: One line for people.
+        output: Whether snapshots hold it (checkpoints hold every field).
+    """
+
+    name: str
+    kind: Literal["int", "real", "vec", "mat"]
+    unit: str
+    title: str
+    meaning: str
+    output: bool = True
+
+
+FIELDS: tuple[Field, ...] = (
+    Field("id", "int", "1", "id", "particle number, 0..n-1; never changes"),
+    Field("body", "int", "1", "body", "index of the particle's body"),
+    Field("mat", "int", "1", "material", "index of the particle's material"),
+    Field("kernel_type", "int", "1", "kernel_type", "0 Eulerian, 1 Total Lagrangian"),
+    Field("fixed", "int", "1", "fixed", "bits 1, 2, 4: velocity component x, y, z is prescribed"),
+    Field("x", "vec", "m", "position", "position"),
+    Field("v", "vec", "m/s", "velocity", "velocity"),
+    Field("m", "real", "kg", "mass", "mass (per metre of thickness in 2D, per square metre in 1D)"),
+    Field("rho", "real", "kg/m^3", "density", "mass density"),
+    Field("e", "real", "J/kg", "internal_energy", "specific internal energy"),
+    Field("vol", "real", "m^dim", "volume", "volume of the particle in the space of the problem", False),
+    Field("p", "real", "Pa", "pressure", "pressure, positive in compression"),
+    Field("cs", "real", "m/s", "sound_speed", "bulk sound speed of the equation of state", False),
+    Field("cl", "real", "m/s", "longitudinal_speed", "longitudinal wave speed sqrt(c^2 + 4G/(3 rho))", False),
+    Field("tau", "mat", "Pa", "deviatoric_stress", "deviator of the Cauchy stress"),
+    Field("sig", "mat", "Pa", "stress", "Cauchy stress, tension positive (times the thickness in plane stress)", False),
+    Field("ep", "real", "1", "plastic_strain", "equivalent plastic strain"),
+    Field("thickness", "real", "1", "thickness", "thickness over its initial value (plane stress)", False),
+    Field("p_high", "real", "Pa", "peak_pressure", "highest pressure so far"),
+    Field("p_low", "real", "Pa", "lowest_pressure", "lowest pressure so far"),
+    Field("clipped", "int", "1", "eos_clipped", "steps in which the equation of state left its range", False),
+    Field("dvdx", "mat", "1/s", "velocity_gradient", "velocity gradient, [i, j] = dv_i/dx_j", False),
+    Field("mu", "real", "m/s", "approach_speed", "largest |mu_ab| of the artificial viscosity", False),
+    Field("impulse", "vec", "N s", "constraint_impulse", "impulse given by constraints and planes so far", False),
+    Field("work", "real", "J", "constraint_work", "work done by constraints so far", False),
+    Field("twist", "vec", "N m s", "constraint_twist", "angular impulse given by constraints so far", False),
+    Field("av_switch", "real", "1", "viscosity_switch", "factor on the artificial viscosity", False),
+    Field("dvdt", "vec", "m/s^2", "acceleration", "acceleration of the last step", False),
+)
+"""Every quantity. A field is never renamed or reordered silently: old snapshots stay readable."""
+
+BY_NAME = {f.name: f for f in FIELDS}
+BY_TITLE = {f.title: f for f in FIELDS}
+
+
+def field(title: str) -> Field:
+    """Look a field up by its title or its symbol.
+
+    Raises:
+        InputError: If there is no such field; names the ones that exist.
+    """
+    found = BY_TITLE.get(title) or BY_NAME.get(title)
+    if found is None:
+        raise InputError(f"field {title!r} does not exist; allowed: {', '.join(BY_TITLE)}")
+    return found

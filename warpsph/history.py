@@ -1,0 +1,144 @@
+"""The history of a run: one row of numbers per output interval, as a table that any program reads."""
+
+import csv
+import io
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+
+from . import atomic
+from .errors import InputError, RunError
+
+
+class History:
+    """A growing ``history.csv``. Every row is on its way to the disk when `write` returns.
+
+    Attributes:
+        path: The file.
+        columns: Name and unit of each column; the first one is the time.
+    """
+
+    def __init__(self, path: Path, columns: Sequence[tuple[str, str]]):
+        """Start a new table, replacing an older file.
+
+        Args:
+            path: The file.
+            columns: Name and unit of each column; the first is ``("time", "s")``.
+
+        Raises:
+            InputError: If two columns have one name.
+            RunError: If the file cannot be written.
+        """
+        self.path, self.columns = Path(path), list(columns)
+        names = [name for name, _ in self.columns]
+        for name in names:
+            if names.count(name) > 1:
+                raise InputError(f"history column {name!r} is there twice; names must differ")
+        self._start([])
+
+    @classmethod
+    def reopen(cls, path: Path, time: float) -> Self:
+        """Go on with a table from a time: rows later than that are dropped.
+
+        Args:
+            path: The file.
+            time: Time to go on from [s].
+
+        Raises:
+            InputError: If the file is missing or no history.
+            RunError: If the file cannot be written.
+        """
+        history = cls.__new__(cls)
+        history.path = Path(path)
+        history.columns, rows = _parse(history.path)
+        history._start([row for row in rows if float(row[0]) <= time])
+        return history
+
+    def write(self, values: Sequence[float]) -> None:
+        """Append one row.
+
+        Args:
+            values: One number per column [unit of the column].
+
+        Raises:
+            ValueError: If there are too few or too many.
+            RunError: If the disk is full.
+        """
+        if len(values) != len(self.columns):
+            raise ValueError(f"{len(values)} values for {len(self.columns)} columns")
+        try:
+            self._stream.write(_line([_text(value) for value in values]))
+            self._stream.flush()
+        except OSError as error:
+            raise RunError(f"{self.path} could not be written: {error.strerror or error}") from error
+
+    def close(self) -> None:
+        """Close the file."""
+        self._stream.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.close()
+
+    def _start(self, rows: list[list[str]]) -> None:
+        """Write header and rows and leave the file open at its end."""
+        header = [f"{name} [{unit}]" for name, unit in self.columns]
+        atomic.write(self.path, "".join(_line(row) for row in [header, *rows]).encode())
+        self._stream = self.path.open("a", encoding="utf-8", newline="")
+
+
+def read(path: Path) -> tuple[list[str], list[str], dict[str, np.ndarray]]:
+    """Read a history, also one that is still being written.
+
+    Returns:
+        Names, units, and each column by its name, float64, shape [rows].
+
+    Raises:
+        InputError: If the file is missing or no history.
+    """
+    columns, rows = _parse(Path(path))
+    table = np.array([[float(text) for text in row] for row in rows]).reshape(len(rows), len(columns))
+    names = [name for name, _ in columns]
+    return names, [unit for _, unit in columns], dict(zip(names, table.T, strict=True))
+
+
+def _parse(path: Path) -> tuple[list[tuple[str, str]], list[list[str]]]:
+    """Columns and rows of a file. A last line that a crash cut short does not count."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path} is not readable as a history ({getattr(error, 'strerror', None) or error})") from error
+    header, *rows = list(csv.reader(text[: text.rfind("\n") + 1].splitlines())) or [[]]
+    matches = [re.fullmatch(r"(.+) \[(.*)\]", cell) for cell in header]
+    if not matches or not all(matches) or matches[0][1] != "time":
+        raise InputError(f"{path} is no history: its first line must name columns like 'time [s]'")
+    for number, row in enumerate(rows, start=2):
+        if len(row) != len(header) or not all(map(_is_number, row)):
+            raise InputError(f"{path} is damaged: line {number} is not a row of {len(header)} numbers")
+    return [(match[1], match[2]) for match in matches], rows
+
+
+def _line(cells: list[str]) -> str:
+    """One line of comma-separated cells."""
+    line = io.StringIO()
+    csv.writer(line, lineterminator="\n").writerow(cells)
+    return line.getvalue()
+
+
+def _text(value: float) -> str:
+    """Shortest text that reads back as the same number."""
+    return str(int(value)) if isinstance(value, int | np.integer) else repr(float(value))
+
+
+def _is_number(text: str) -> bool:
+    """Whether a cell holds a number."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,124 @@
+"""What ``warpsph info`` prints about a finished run or a snapshot, and the tables of the other commands."""
+
+import json
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .errors import InputError
+from .progress import clock, si
+
+if TYPE_CHECKING:
+    from .state import State
+
+GAP = "  "
+"""Between the columns of a table."""
+
+SECONDS = ("time", "dt_min", "dt_max", "step_wall_s")
+"""Entries of a summary that read well with an SI prefix."""
+
+
+def describe(path: Path) -> str:
+    """Describe a run folder (its summary, else its last snapshot) or a snapshot file.
+
+    Raises:
+        InputError: If it is neither, or damaged.
+    """
+    from . import snapshot
+
+    path = Path(path)
+    if not path.exists():
+        raise InputError(f"{path} does not exist; allowed: a run folder or a .vtkhdf snapshot")
+    if path.is_file() and path.suffix == ".json":
+        return describe_summary(read_summary(path))
+    if path.is_file():
+        return describe_state(snapshot.read(path))
+    if (path / "summary.json").is_file():
+        return describe_summary(read_summary(path / "summary.json"))
+    found = snapshot.find(path)
+    if not found:
+        raise InputError(f"{path} holds neither summary.json nor snapshots; allowed: a run folder or a .vtkhdf snapshot")
+    return describe_state(snapshot.read(found[-1]))
+
+
+def read_summary(path: Path) -> dict[str, Any]:
+    """Read a ``summary.json``.
+
+    Raises:
+        InputError: If it cannot be read as one.
+    """
+    try:
+        summary = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path} cannot be read as a summary: {error}") from error
+    if not isinstance(summary, dict):
+        raise InputError(f"{path} is no summary of a run; expected a JSON object")
+    return summary
+
+
+def describe_summary(summary: dict[str, Any]) -> str:
+    """Write a summary out, one entry a line; nested entries are indented, warnings come last."""
+    rows: list[tuple[str, str]] = []
+    for key, value in summary.items():
+        if key == "warnings":
+            continue
+        if isinstance(value, dict):
+            rows.append((key, "" if value else "none"))
+            rows += [(GAP + str(name), _value(name, inner)) for name, inner in value.items()]
+        else:
+            rows.append((key, _value(key, value)))
+    warnings = [f"warning: {text}" for text in summary.get("warnings", [])]
+    return "\n".join([table(rows), *warnings])
+
+
+def describe_state(state: "State") -> str:
+    """Write a snapshot out: time, particles of each body, and the range of every quantity."""
+    from . import scalars
+
+    bodies = np.bincount(state.body, minlength=len(state.bodies))
+    head = [("scene", f"{state.scene}, {state.dim}D"), ("time", f"{si(state.time, 's')}, step {state.step}")]
+    head.append(("spacing", f"{si(state.spacing, 'm')}, smoothing length {si(state.h, 'm')}"))
+    head.append(("particles", str(len(state.body))))
+    head += [(GAP + name, f"{bodies[k]}  {_materials(state, k)}") for k, name in enumerate(state.bodies)]
+    ranges = []
+    for name in scalars.names(state):
+        quantity = scalars.scalar(state, name)
+        if quantity.categories is None and name != "id":
+            ranges.append((name, quantity.unit, *_extremes(quantity.values)))
+    return table(head) + "\n\n" + table(ranges, ("quantity", "unit", "minimum", "maximum", ""))
+
+
+def table(rows: Iterable[Sequence[str]], header: Sequence[str] = ()) -> str:
+    """Lay rows of text out in columns, at any width: for terminals as for ``grep``."""
+    rows = [header, *rows] if header else list(rows)
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = (GAP.join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in rows)
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def _value(key: str, value: Any) -> str:
+    """One entry of a summary."""
+    if isinstance(value, float) and key in SECONDS:
+        return si(value, "s")
+    if isinstance(value, (int, float)) and key == "wall_s":
+        return clock(value)
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, dict):
+        return ", ".join(f"{name} {_value(name, inner)}" for name, inner in value.items())
+    return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
+
+
+def _materials(state: "State", body: int) -> str:
+    """Names of what a body is made of."""
+    return ", ".join(state.materials[k] for k in np.unique(state.mat[state.body == body]))
+
+
+def _extremes(values: np.ndarray) -> tuple[str, str, str]:
+    """Smallest and largest finite value, and a remark if there are others."""
+    finite = values[np.isfinite(values)]
+    bad = len(values) - len(finite)
+    low, high = (f"{finite.min():.5g}", f"{finite.max():.5g}") if len(finite) else ("-", "-")
+    return low, high, f"{bad} not finite" if bad else ""

@@ -1,0 +1,157 @@
+"""The one way kernels are launched: arguments bound by name, checked, and sliced over CPU threads."""
+
+import functools
+import inspect
+import os
+from concurrent.futures import ThreadPoolExecutor, wait
+
+import warp as wp
+
+from .errors import InputError
+
+SLICES_PER_THREAD = 4
+"""A CPU launch is cut into this many slices per thread, taken as they come: uneven rows balance out."""
+
+SMALLEST_SLICE = 512
+"""Threads of work below which a launch is not cut further."""
+
+
+@functools.cache
+def _names(kernel: wp.Kernel) -> tuple[str, ...]:
+    return tuple(inspect.signature(kernel.func).parameters)
+
+
+@functools.cache
+def _real(kernel: wp.Kernel) -> type | None:
+    """Scalar type of a kernel's floating-point arguments, from the first array or scalar that has one."""
+    for var in kernel.adj.args:
+        dtype = getattr(var.type, "dtype", var.type)
+        scalar = getattr(dtype, "_wp_scalar_type_", dtype)
+        if scalar in (wp.float32, wp.float64):
+            return scalar
+    return None
+
+
+class Command:
+    """A launch with its arguments bound: call it as often as you like."""
+
+    def __init__(self, launcher: "Launcher", kernel: wp.Kernel, dim: int, args: list):
+        self._launcher = launcher
+        self._slices = []
+        for first, size in launcher.slices(dim):
+            self._slices.append(
+                wp.launch(kernel, size, [first, *args], device=launcher.device, record_cmd=True)
+            )
+
+    def __call__(self) -> None:
+        """Run it; returns when the work is done (CPU) or queued (CUDA)."""
+        self._launcher.execute(self._slices)
+
+
+class Launcher:
+    """Launches kernels on one device.
+
+    Warp runs a CPU launch on one thread but without holding the interpreter lock, so slices of a launch
+    on a thread pool run in parallel. Every kernel takes its slice's first index as ``offset``.
+
+    Attributes:
+        device: The Warp device.
+        threads: CPU threads in use (1 on CUDA).
+    """
+
+    def __init__(self, device: str = "cpu", threads: int | None = None):
+        """Open a device.
+
+        Raises:
+            InputError: If there is no such device, or ``threads`` is below one.
+        """
+        self.device = find_device(device)
+        cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        if threads is not None and threads < 1:
+            raise InputError(f"threads = {threads} is out of range; allowed: 1 or more (this machine has {cores})")
+        self.threads = 1 if self.device.is_cuda else (threads or cores)
+        self._pool = ThreadPoolExecutor(self.threads - 1) if self.threads > 1 else None
+
+    def slices(self, dim: int) -> list[tuple[int, int]]:
+        """Cut a launch of ``dim`` threads into (first, size) pieces."""
+        count = 1 if self._pool is None else min(self.threads * SLICES_PER_THREAD, dim // SMALLEST_SLICE)
+        edges = [dim * k // max(count, 1) for k in range(max(count, 1) + 1)]
+        return [(a, b - a) for a, b in zip(edges[:-1], edges[1:], strict=True) if b > a]
+
+    def execute(self, slices: list[wp.Launch]) -> None:
+        """Run recorded slices, on the pool where there are several."""
+        if len(slices) == 1 or self._pool is None:
+            for piece in slices:
+                piece.launch()
+            return
+        rest = iter(slices)
+
+        def work():
+            for piece in rest:
+                piece.launch()
+
+        helpers = [self._pool.submit(work) for _ in range(self.threads - 1)]
+        work()
+        wait(helpers)
+        for helper in helpers:
+            helper.result()
+
+    def bind(self, kernel: wp.Kernel, dim: int, *sources: object, **named: object) -> Command:
+        """Bind a launch, taking each argument by its name.
+
+        A kernel has many arrays of one type in a row, and Warp cannot tell ``rho`` from ``m``. It checks
+        neither structs nor the precision of a hash grid at all; both are checked here.
+
+        Args:
+            kernel: Kernel to launch; its first parameter is ``offset``.
+            dim: Number of threads.
+            sources: Objects whose attributes supply arguments; the first that has the name wins.
+            named: Arguments given here, before any source.
+
+        Raises:
+            TypeError: An argument is missing, or belongs to another precision.
+        """
+        args = []
+        for var, name in list(zip(kernel.adj.args, _names(kernel), strict=True))[1:]:
+            if name in named:
+                value = named[name]
+            else:
+                owner = next((src for src in sources if hasattr(src, name)), None)
+                if owner is None:
+                    raise TypeError(f"{kernel.key}: no value for argument {name!r}")
+                value = getattr(owner, name)
+            args.append(_checked(kernel, var, name, value))
+        return Command(self, kernel, dim, args)
+
+    def launch(self, kernel: wp.Kernel, dim: int, *sources: object, **named: object) -> None:
+        """Bind and run once."""
+        self.bind(kernel, dim, *sources, **named)()
+
+
+def _checked(kernel: wp.Kernel, var, name: str, value: object) -> object:
+    """Refuse what Warp would accept and misread: foreign structs, foreign grids, arrays of another type."""
+    if isinstance(value, wp.HashGrid):
+        if _real(kernel) not in (None, value.dtype):
+            raise TypeError(f"{kernel.key}: hash grid {name!r} has precision {value.dtype.__name__}")
+        return value.id
+    if hasattr(value, "_cls") and value._cls is not var.type:
+        raise TypeError(f"{kernel.key}: struct {name!r} was built for another precision")
+    if isinstance(value, wp.array):
+        expected, found = var.type.dtype, value.dtype
+        if not wp.types.types_equal(expected, found):
+            raise TypeError(f"{kernel.key}: array {name!r} has type {found.__name__}, not {expected.__name__}")
+    return value
+
+
+def find_device(name: str) -> wp.Device:
+    """Give the Warp device of a name such as ``cpu`` or ``cuda:0``.
+
+    Raises:
+        InputError: If there is no such device; names the ones there are.
+    """
+    available = [d.alias for d in wp.get_devices()]
+    if name == "cuda" and wp.is_cuda_available():
+        name = wp.get_preferred_device().alias
+    if name not in available:
+        raise InputError(f"device {name!r} does not exist here; allowed: {', '.join(available)}")
+    return wp.get_device(name)

@@ -1,0 +1,83 @@
+"""The current neighbour rows: built from a hash grid, kept as long as a Verlet skin allows."""
+
+import numpy as np
+import warp as wp
+
+from .kernels.neighbours import make_neighbours
+from .launch import Launcher
+from .particles import Particles
+
+GROWTH = 1.2
+"""Rows that no longer fit get this much more than they need."""
+
+CELLS = {1: (4096, 1, 1), 2: (256, 256, 1), 3: (64, 64, 64)}
+"""Cells of the hash grid; the grid wraps around, so a larger domain only costs a few more distance checks."""
+
+SORT_EVERY = 20
+"""Particles are re-sorted in memory at every so many rebuilds."""
+
+MAX_PARTICLES = 1 << 28
+"""Entries keep 28 bits for the particle index."""
+
+
+class Neighbours:
+    """Compressed rows of all pairs closer than the kernel's support plus the skin.
+
+    Attributes:
+        start: Row offsets, shape [n + 1], int32.
+        neigh: Entries (particle index and mirror bits), shape [capacity], int32; grows, never truncates.
+        x_listed: Positions at the last build [m], shape [n, 3].
+        plane: Positions of the symmetry planes normal to x, y, z [m].
+        builds: Number of builds so far.
+        generation: Changes when ``neigh`` was reallocated: launches must be bound again.
+    """
+
+    def __init__(self, particles: Particles, launcher: Launcher, planes, support: float, skin: float):
+        """Allocate for particles that interact within ``support`` [m]; ``skin`` [m] is added."""
+        spec, n = particles.spec, particles.n
+        self._particles, self._launcher = particles, launcher
+        self.support, self.radius, self.reach = support, support + skin, skin
+        self.plane = spec.vec(*(dict(planes).get(axis, 0.0) for axis in range(3)))
+        self._mask = sum(1 << axis for axis, _ in planes)
+        self._kernels = make_neighbours(spec, bool(planes))
+        with wp.ScopedDevice(launcher.device):
+            self._grid = wp.HashGrid(*CELLS[spec.dim], dtype=spec.real)
+            self._n_neigh = wp.zeros(n + 1, dtype=wp.int32)  # the last stays 0: the scan ends in the total
+            self._order = wp.zeros(n, dtype=wp.int32)
+            self.start = wp.zeros(n + 1, dtype=wp.int32)
+            self.neigh = wp.empty(1, dtype=wp.int32)
+            self.x_listed = wp.zeros(n, dtype=spec.vec)
+        self.builds, self.generation = 0, 0
+
+    def build(self) -> None:
+        """Rebuild the rows, and re-sort the particles in memory first when it is time to."""
+        p = self._particles
+        self._grid.build(p.x, self.radius)
+        if self.builds % SORT_EVERY == 0:
+            self._launcher.launch(self._kernels.cell_order, p.n, grid=self._grid, order=self._order)
+            p.reorder(self._order)
+            self._grid.build(p.x, self.radius)
+        self._count(self.radius)
+        wp.utils.array_scan(self._n_neigh, self.start, inclusive=False)
+        total = int(self.start[p.n :].numpy()[0])
+        if total > self.neigh.size:
+            self.neigh = wp.empty(int(GROWTH * total), dtype=wp.int32, device=self._launcher.device)
+            self.generation += 1
+        self._launcher.launch(
+            self._kernels.fill, p.n, self, p, grid=self._grid, plane_mask=self._mask
+        )
+        wp.copy(self.x_listed, p.x)
+        self.builds += 1
+
+    def _count(self, radius: float) -> None:
+        p = self._particles
+        self._launcher.launch(
+            self._kernels.count, p.n, self, p,
+            grid=self._grid, plane_mask=self._mask, radius=radius, n_neigh=self._n_neigh,
+        )  # fmt: skip
+
+    def mean_count(self) -> float:
+        """Mean number of neighbours within the kernel's support now, the particle itself left out."""
+        self._grid.build(self._particles.x, self.radius)
+        self._count(self.support)
+        return float(np.mean(self._n_neigh.numpy()[:-1]))

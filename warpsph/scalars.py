@@ -1,0 +1,104 @@
+"""What a picture can be coloured by: fields, their components, and quantities derived from them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from .errors import InputError
+from .fields import BY_NAME, FIELDS
+from .state import State
+
+AXES = ("x", "y", "z")
+"""Components of a vector."""
+
+PAIRS = ("xx", "yy", "zz", "xy", "xz", "yz")
+"""Components of a symmetric tensor."""
+
+
+@dataclass(frozen=True)
+class Scalar:
+    """One number per particle.
+
+    Attributes:
+        title: Name for people.
+        unit: SI unit.
+        values: Shape [n], float64.
+        categories: Names of the values 0, 1, ... if they are no amounts, else None.
+    """
+
+    title: str
+    unit: str
+    values: np.ndarray
+    categories: tuple[str, ...] | None = None
+
+
+def scalar(state: State, name: str) -> Scalar:
+    """Get a quantity by name.
+
+    Args:
+        state: The particles.
+        name: Title or symbol of a field (a vector gives its magnitude), a component such as ``velocity_x`` or
+            ``stress_xx``, ``speed`` or ``von_mises``.
+
+    Raises:
+        InputError: If the state does not offer it; names what it does.
+    """
+    table = _table(state)
+    key = BY_NAME[name].title if name in BY_NAME and name not in table else name
+    if key not in table:
+        raise InputError(f"field {name!r} does not exist here; allowed: {', '.join(table)}")
+    title, unit, values = table[key]
+    return Scalar(title, unit, np.asarray(values(), dtype=np.float64), _categories(state, key))
+
+
+def names(state: State) -> list[str]:
+    """Every quantity that `scalar` can give for a state."""
+    return list(_table(state))
+
+
+def _table(state: State) -> dict[str, tuple[str, str, Callable[[], np.ndarray]]]:
+    """Title, unit and values of every quantity by name."""
+    table = {}
+    for f in FIELDS:
+        if f.name not in state.fields:
+            continue
+        array, words = state.fields[f.name], f.title.replace("_", " ")
+        if f.kind == "mat":
+            table |= _components(f.title, words, f.unit, array)
+        elif f.kind == "vec":
+            table[f.title] = (f"|{words}|", f.unit, lambda a=array: np.linalg.norm(a, axis=1))
+            for k, axis in enumerate(AXES):
+                table[f"{f.title}_{axis}"] = (f"{words} {axis}", f.unit, lambda a=array, k=k: a[:, k])
+        else:
+            table[f.title] = (words, f.unit, lambda a=array: a)
+    return _derived(state) | table
+
+
+def _derived(state: State) -> dict[str, tuple[str, str, Callable[[], np.ndarray]]]:
+    """Quantities that no field holds."""
+    table, fields = {}, state.fields
+    if "v" in fields:
+        table["speed"] = ("speed", "m/s", lambda: np.linalg.norm(state.v, axis=1))
+    if "tau" in fields:
+        table["von_mises"] = ("von Mises stress", "Pa", lambda: np.sqrt(1.5) * np.linalg.norm(state.tau, axis=(1, 2)))
+    if "tau" in fields and "p" in fields:
+        table |= _components("stress", "stress", "Pa", state.tau - state.p[:, None, None] * np.eye(3))
+    return table
+
+
+def _components(title: str, words: str, unit: str, array: np.ndarray) -> dict:
+    """Components of a symmetric tensor."""
+    table = {}
+    for pair in PAIRS:
+        i, j = (AXES.index(axis) for axis in pair)
+        table[f"{title}_{pair}"] = (f"{words} {pair}", unit, lambda i=i, j=j: array[:, i, j])
+    return table
+
+
+def _categories(state: State, name: str) -> tuple[str, ...] | None:
+    """Names of the values of an index."""
+    if name == "fixed":
+        return tuple("".join(axis for k, axis in enumerate(AXES) if bits >> k & 1) or "free" for bits in range(8))
+    indices = {"body": state.bodies, "material": state.materials, "kernel_type": ("Eulerian", "Total Lagrangian")}
+    return tuple(indices[name]) if name in indices else None

@@ -1,0 +1,165 @@
+"""Snapshots: one self-contained VTKHDF file per output time, which ParaView and PyVista open as they are.
+
+The particles are the vertices of a VTKHDF ``PolyData``; each output field of `warpsph.fields` is a point
+array under its title (tensors have nine components, row by row) with the attributes ``unit`` and ``meaning``.
+Time, step, scene, names, spacing and smoothing length are field data.
+"""
+
+import json
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import atomic, hdf5
+from .errors import InputError
+from .fields import BY_NAME, FIELDS, Field
+from .state import State
+
+if TYPE_CHECKING:
+    import h5py
+
+FORM, VERSION = "warpsph snapshot", 1
+"""Name and version of the format; the version rises when old readers would fail."""
+
+COMPONENTS = {"int": (), "real": (), "vec": (3,), "mat": (9,)}
+"""Shape of one particle's entry in the file."""
+
+
+def write(path: Path, state: State) -> None:
+    """Write one snapshot: every output field that the state holds.
+
+    Raises:
+        RunError: If it cannot be written; an older file of that name stays whole.
+    """
+    with hdf5.writing(path, FORM, VERSION) as file:
+        root = file.create_group("VTKHDF", track_order=True)
+        root.attrs["Version"] = np.array([2, 2], dtype=np.int64)
+        root.attrs["Type"] = np.bytes_("PolyData")  # VTK wants a string of fixed length here
+        _write_points(root, state)
+        data = root.create_group("PointData", track_order=True)
+        for f in FIELDS:
+            if f.output and f.name in state.fields and f.name != "x":
+                _write_array(data, f.title, f, state.fields[f.name])
+        _write_facts(root.create_group("FieldData"), state)
+
+
+def read(path: Path) -> State:
+    """Read a snapshot back, bit for bit.
+
+    Returns:
+        The state; it holds the output fields only.
+
+    Raises:
+        InputError: If the file is missing, damaged, or no snapshot.
+    """
+    with hdf5.reading(path, FORM, VERSION) as file:
+        root = file["VTKHDF"]
+        data, facts = root["PointData"], root["FieldData"]
+        fields = {}
+        for f in FIELDS:
+            if f.name == "x":
+                fields["x"] = root["Points"][...]
+            elif f.title in data:
+                fields[f.name] = data[f.title][...]
+        n = int(root["NumberOfPoints"][0])
+        for name, array in fields.items():
+            fields[name] = _shaped(BY_NAME[name], array, n)
+        numbers = {name: facts[name][0].item() for name in ("step", "dim", "spacing", "h")}
+        texts = {name: list(facts[name].asstr("utf-8")[:]) for name in ("scene", "bodies", "materials")}
+        return State(time=facts["TimeValue"][0].item(), **numbers, **(texts | {"scene": texts["scene"][0]}), fields=fields)
+
+
+def time(path: Path) -> float:
+    """Time of a snapshot [s], without reading its particles.
+
+    Raises:
+        InputError: As `read`.
+    """
+    with hdf5.reading(path, FORM, VERSION) as file:
+        return file["VTKHDF/FieldData/TimeValue"][0].item()
+
+
+def find(folder: Path) -> list[Path]:
+    """Snapshots of a run in the order of their numbers, which is the order of time.
+
+    Args:
+        folder: Output folder of a run, or the folder ``snapshots`` in it.
+    """
+    folder = Path(folder)
+    inner = folder / "snapshots"
+    numbered = (inner if inner.is_dir() else folder).glob("*_*.vtkhdf")
+    return sorted((path for path in numbered if _number(path) is not None), key=lambda path: (_number(path), path.name))
+
+
+def series(folder: Path) -> Path | None:
+    """Write the index ``NAME.vtkhdf.series`` that ParaView opens as one animation.
+
+    Args:
+        folder: As for `find`.
+
+    Returns:
+        The index, or None if there is no snapshot yet.
+
+    Raises:
+        InputError: If a snapshot is damaged.
+        RunError: If the index cannot be written.
+    """
+    paths = find(folder)
+    if not paths:
+        return None
+    files = [{"name": path.name, "time": time(path)} for path in paths]
+    index = paths[0].with_name(paths[0].stem.rpartition("_")[0] + ".vtkhdf.series")
+    atomic.write(index, json.dumps({"file-series-version": "1.0", "files": files}, indent=1).encode())
+    return index
+
+
+def _number(path: Path) -> int | None:
+    """The number at the end of a snapshot's name: 12 for ``hvi_2d_0012.vtkhdf``."""
+    match = re.search(r"_(\d+)$", path.stem)
+    return int(match[1]) if match else None
+
+
+def _write_points(root: "h5py.Group", state: State) -> None:
+    """Positions, and one vertex cell on each; VTK asks for the empty cell kinds too."""
+    n = len(state.x)
+    root["NumberOfPoints"] = np.array([n], dtype=np.int64)
+    _write_array(root, "Points", BY_NAME["x"], state.x)
+    for kind, cells in (("Vertices", n), ("Lines", 0), ("Polygons", 0), ("Strips", 0)):
+        group = root.create_group(kind)
+        group["NumberOfCells"] = group["NumberOfConnectivityIds"] = np.array([cells], dtype=np.int64)
+        group["Connectivity"] = np.arange(cells, dtype=np.int64)
+        group["Offsets"] = np.arange(cells + 1, dtype=np.int64)
+
+
+def _write_array(group: "h5py.Group", title: str, f: Field, array: np.ndarray) -> None:
+    """One field with its unit and meaning."""
+    if f.kind == "int":
+        array = np.asarray(array, dtype=np.int32)
+    data = group.create_dataset(title, data=np.asarray(array).reshape(len(array), *COMPONENTS[f.kind]))
+    data.attrs.update({"unit": f.unit, "meaning": f.meaning})
+
+
+def _write_facts(group: "h5py.Group", state: State) -> None:
+    """What holds for the whole snapshot. Text is UTF-8 that is declared ASCII: VTK reads no other."""
+    import h5py
+
+    facts = {"TimeValue": float(state.time), "spacing": float(state.spacing), "h": float(state.h)}
+    facts |= {"step": np.int64(state.step), "dim": np.int64(state.dim)}
+    for name, value in facts.items():
+        group[name] = np.array([value])
+    for name, texts in (("scene", [state.scene]), ("bodies", state.bodies), ("materials", state.materials)):
+        encoded = np.array([text.encode() for text in texts], dtype=object)
+        group.create_dataset(name, data=encoded, shape=(len(texts),), dtype=h5py.string_dtype("ascii"))
+
+
+def _shaped(f: Field, array: np.ndarray, n: int) -> np.ndarray:
+    """A field as the state holds it.
+
+    Raises:
+        InputError: If the file gives it another shape.
+    """
+    if array.shape != (n, *COMPONENTS[f.kind]):
+        raise InputError(f"snapshot field {f.title!r} has shape {array.shape}; expected {(n, *COMPONENTS[f.kind])}")
+    return array.reshape(n, 3, 3) if f.kind == "mat" else array

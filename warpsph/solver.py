@@ -1,0 +1,212 @@
+"""The controller: owns the device state, runs steps in batches, rebuilds neighbour rows, watches for trouble."""
+
+import math
+from collections.abc import Callable
+from types import SimpleNamespace
+
+import numpy as np
+import warp as wp
+
+from .blocks import Blocks
+from .clock import Clock, Reading
+from .errors import InputError, RunError
+from .kernels.ledger import MAXIMA, SUMS, make_ledger
+from .kernels.spec import Spec
+from .kernels.timestep import COLLAPSED, DONE, NON_FINITE, STALE
+from .launch import Command, Launcher
+from .materials import pack
+from .neighbours import Neighbours
+from .particles import Particles
+from .scene import SceneData
+from .schemes import SCHEMES
+from .schemes.eulerian import Eulerian
+from .state import State
+
+MAX_BATCH = 32
+"""Steps between two readings of the device's clock, at most: the documented synchronisation interval."""
+
+PRECISIONS = {"float32": wp.float32, "float64": wp.float64}
+"""Scalar types by name."""
+
+
+class Solver:
+    """A scene in motion on one device.
+
+    Attributes:
+        data: The finalised scene.
+        launcher: The device and its threads.
+        particles: The state.
+        neighbours: The neighbour rows.
+        reading: The clock at the last reading.
+    """
+
+    def __init__(
+        self, data: SceneData, *, device: str = "cpu", precision: str = "float64", threads: int | None = None
+    ):
+        """Allocate everything; no step allocates afterwards, except neighbour rows that outgrow their storage.
+
+        Raises:
+            InputError: No such device or precision.
+        """
+        if precision not in PRECISIONS:
+            raise InputError(f"precision {precision!r} is unknown; allowed: {', '.join(PRECISIONS)}")
+        self.data, self.precision = data, precision
+        self.launcher = Launcher(device, threads)
+        self._spec = Spec(data.dim, PRECISIONS[precision])
+        numerics, h = data.numerics, data.h
+        settings = SCHEMES[numerics.scheme]
+        self._scheme = Eulerian(settings, self._spec, numerics, bool(data.planes))
+        self.particles = Particles(data, self._spec, self.launcher)
+        self._blocks = Blocks(self.particles.n, self.launcher.device.is_cuda)
+        self._clock = Clock(self._spec, self.launcher, self._blocks)
+        self.neighbours = Neighbours(
+            self.particles, self.launcher, data.planes, self._scheme.support * h, numerics.skin * h
+        )
+        self._constants = SimpleNamespace(
+            h=h, spacing=data.spacing, cfl=numerics.cfl, gradient_ratio=settings.gradient_ratio,
+            viscosity_alpha=settings.alpha, viscosity_beta=settings.beta,
+        )  # fmt: skip
+        self._work = self._allocate_work()
+        self._ledger = make_ledger(self._spec)
+        self._program: list[Command] = []
+        self._bound = -1
+        self._initialise()
+        self.reading = self._clock.read()
+
+    def _allocate_work(self) -> SimpleNamespace:
+        """Arrays that live from one launch to the next but are no state; 1 long where the scheme has no use for them."""
+        n, spec, settings = self.particles.n, self._spec, self._scheme.settings
+        with wp.ScopedDevice(self.launcher.device):
+            corrected = n if settings.correction else 1
+            return SimpleNamespace(
+                dedt=wp.zeros(n, dtype=spec.real),
+                K=wp.zeros(corrected, dtype=spec.mat),
+                G=wp.zeros(corrected, dtype=spec.vec),
+                R=wp.zeros(n if settings.artificial_stress else 1, dtype=spec.mat),
+                materials=pack(self.data.materials, spec, self.launcher.device),
+                partial=wp.zeros((self._blocks.count, len(SUMS) + len(MAXIMA)), dtype=wp.float64),
+            )
+
+    def _bind(self, kernel, n: int | None = None) -> Command:
+        return self.launcher.bind(
+            kernel, n or self.particles.n,
+            self.particles, self._work, self.neighbours, self._clock, self._blocks, self._constants,
+        )  # fmt: skip
+
+    def _initialise(self) -> None:
+        """Make the dependent fields agree with the scene; the first step then starts from a whole state."""
+        self.particles.av_switch.fill_(self._scheme.first_switch)
+        self._run_still(self._scheme.settle(self._bind) + self._scheme.derive(self._bind))
+        self.neighbours.build()
+
+    def _run_still(self, commands: list[Command]) -> None:
+        """Run launches outside of a step, with the velocity gradient as it is (zero at the start)."""
+        self._clock.dt.fill_(1.0)
+        for command in commands:
+            command()
+        self._clock.dt.fill_(0.0)
+
+    def relist(self) -> None:
+        """Rebuild the neighbour rows now, so that a run goes on from here exactly as a restart from here does."""
+        self.neighbours.build()
+
+    def advance(self, t_stop: float, on_batch: Callable[[Reading], None] | None = None) -> None:
+        """Step until ``t_stop`` [s], which the last step hits exactly; ``on_batch`` sees the clock in between.
+
+        Raises:
+            RunError: A particle's state is not finite, or the time step collapsed; names the particle.
+        """
+        self._clock.stop_at(t_stop)
+        before = self.reading
+        batch = 1
+        while True:
+            self._run_steps(batch)
+            now = self.reading = self._clock.read()
+            if now.status in (COLLAPSED, NON_FINITE):
+                raise RunError(self._trouble(now))
+            if now.status == STALE:
+                self.neighbours.build()
+            if on_batch is not None:
+                on_batch(now)
+            if now.status == DONE:
+                return
+            batch = self._predict(before, now)
+            before = now
+
+    def _run_steps(self, count: int) -> None:
+        if self._bound != self.neighbours.generation:
+            self._program = self._scheme.step(self._bind, self._blocks.count)
+            self._bound = self.neighbours.generation
+        for _ in range(count):
+            for command in self._program:
+                command()
+
+    def _predict(self, before: Reading, now: Reading) -> int:
+        """Steps until the skin is used up, judged by the last batch: a wrong guess costs idle steps, nothing else."""
+        steps, moved = now.steps - before.steps, now.moved - before.moved
+        if now.status == STALE or steps < 1 or moved <= 0.0:
+            return 1
+        left = (self.neighbours.reach - now.moved) * steps / moved
+        return int(min(max(left, 1.0), MAX_BATCH))
+
+    def ledger(self) -> dict[str, float]:
+        """Conserved quantities and extremes of all particles (see `kernels.ledger` for names and units)."""
+        self._bind(self._ledger, self._blocks.count)()
+        partial = self._work.partial.numpy()
+        sums = {name: math.fsum(partial[:, k]) for k, name in enumerate(SUMS)}
+        maxima = {name: float(partial[:, len(SUMS) + k].max()) for k, name in enumerate(MAXIMA)}
+        return sums | maxima
+
+    def state(self) -> State:
+        """Copy the particles to the host, in id order."""
+        return self.particles.state(self.reading.time, self.reading.steps)
+
+    def save(self) -> tuple[dict[str, np.ndarray], dict]:
+        """Everything a restart needs: arrays in memory order, and plain values."""
+        arrays = self.particles.arrays() | {
+            "clock": self._clock.clock.numpy(), "count": self._clock.count.numpy()
+        }  # fmt: skip
+        return arrays, {"builds": self.neighbours.builds, "precision": self.precision}
+
+    def restore(self, arrays: dict[str, np.ndarray], info: dict) -> None:
+        """Go on from what `save` gave, bit for bit.
+
+        Raises:
+            InputError: The checkpoint is of another number of particles or precision.
+        """
+        if len(arrays["id"]) != self.particles.n or info["precision"] != self.precision:
+            raise InputError(
+                f"checkpoint holds {len(arrays['id'])} particles in {info['precision']}; "
+                f"this scene has {self.particles.n} in {self.precision}"
+            )
+        self.particles.restore(arrays)
+        self._clock.clock.assign(arrays["clock"])
+        self._clock.count.assign(arrays["count"])
+        self.neighbours.builds = info["builds"]
+        self._run_still(self._scheme.derive(self._bind))
+        self.reading = self._clock.read()
+
+    def _trouble(self, now: Reading) -> str:
+        """One line that names the particle behind a stop, its material, place and the cause."""
+        p = self.particles.arrays()
+        order = np.arange(len(p["id"]))
+        bad = [~np.isfinite(p[name]).reshape(len(order), -1).all(1) for name in ("x", "v", "rho", "e", "cl")]
+        if now.status == NON_FINITE and np.any(bad):
+            i = int(np.flatnonzero(np.any(bad, axis=0))[0])
+            which = [name for name, mask in zip(("position", "velocity", "density", "energy", "sound speed"), bad, strict=True) if mask[i]]
+            cause = f"{', '.join(which)} not finite"
+        else:
+            speed = p["cl"] + 0.6 * p["av_switch"] * (
+                self._constants.viscosity_alpha * p["cs"] + self._constants.viscosity_beta * p["mu"]
+            )
+            accel = np.linalg.norm(p["dvdt"], axis=1)
+            limit = np.minimum(self._constants.cfl * self.data.h / speed, 0.25 * np.sqrt(self.data.h / np.maximum(accel, 1e-300)))
+            i = int(np.argmin(limit))
+            cause = f"time step collapsed to {limit[i]:.3g} s (wave speed {p['cl'][i]:.3g} m/s, acceleration {accel[i]:.3g} m/s^2)"
+        body = self.data.bodies[p["body"][i]]
+        material = self.data.materials[p["mat"][i]].name
+        where = ", ".join(f"{c:.6g}" for c in p["x"][i])
+        return (
+            f"stopped at t = {now.time:.6g} s, step {now.steps}: particle {p['id'][i]} of body {body!r} "
+            f"(material {material!r}) at ({where}) m: {cause}"
+        )
