@@ -54,6 +54,7 @@ def make_correction(s: Spec, smoothing: Smoothing, planes: bool) -> wp.Kernel:
         plane: vec,
         dt: wp.array[real],
         start: wp.array[wp.int32],
+        n_neigh: wp.array[wp.int32],
         neigh: wp.array[wp.int32],
         # out:
         K: wp.array[mat],
@@ -63,12 +64,13 @@ def make_correction(s: Spec, smoothing: Smoothing, planes: bool) -> wp.Kernel:
         i = wp.tid() + offset
         if dt[0] == real(0.0):
             return
+        first = start[i]
         xi = x[i]
         r_max2 = support * support * h * h
         shepard = vol[i] * w(real(0.0), h)
         sum_G = vec()
         neighbours = wp.int32(0)
-        for k in range(start[i], start[i + 1]):
+        for k in range(first, first + n_neigh[i]):
             j = mirror.index(neigh[k])
             xij = xi - mirror.point(x[j], mirror.sign(neigh[k]), plane)
             r2 = tensor.dot(xij, xij)
@@ -79,7 +81,7 @@ def make_correction(s: Spec, smoothing: Smoothing, planes: bool) -> wp.Kernel:
                 neighbours += 1
         log_G = sum_G / shepard
         M = mat()
-        for k in range(start[i], start[i + 1]):
+        for k in range(first, first + n_neigh[i]):
             j = mirror.index(neigh[k])
             xij = xi - mirror.point(x[j], mirror.sign(neigh[k]), plane)
             r2 = tensor.dot(xij, xij)

@@ -42,6 +42,7 @@ def make_kinematics(s: Spec, smoothing: Smoothing, corrected: bool, planes: bool
         plane: vec,
         dt: wp.array[real],
         start: wp.array[wp.int32],
+        n_neigh: wp.array[wp.int32],
         neigh: wp.array[wp.int32],
         # out:
         dvdx: wp.array[mat],
@@ -50,10 +51,11 @@ def make_kinematics(s: Spec, smoothing: Smoothing, corrected: bool, planes: bool
         i = wp.tid() + offset
         if dt[0] == real(0.0):
             return
+        first = start[i]
         xi, vi = x[i], v[i]
         r_max2 = support * support * h * h
         L = mat()
-        for k in range(start[i], start[i + 1]):
+        for k in range(first, first + n_neigh[i]):
             j = mirror.index(neigh[k])
             sign = mirror.sign(neigh[k])
             xij = xi - mirror.point(x[j], sign, plane)

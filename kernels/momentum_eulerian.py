@@ -70,6 +70,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         plane: vec,
         dt: wp.array[real],
         start: wp.array[wp.int32],
+        n_neigh: wp.array[wp.int32],
         neigh: wp.array[wp.int32],
         # out:
         dvdt: wp.array[vec],
@@ -83,6 +84,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         i = wp.tid() + offset
         if dt[0] == real(0.0):
             return
+        first = start[i]
         xi, vi, sig_i = x[i], v[i], sig[i]
         m_i, rho_i, cs_i, vol_i = m[i], rho[i], cs[i], vol[i]
         r_max2 = support * support * h * h
@@ -91,7 +93,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         mu_max = real(0.0)
         if wp.static(stressed):
             w_spacing = one / w(spacing, h)
-        for k in range(start[i], start[i + 1]):
+        for k in range(first, first + n_neigh[i]):
             j = mirror.index(neigh[k])
             sign = mirror.sign(neigh[k])
             xij = xi - mirror.point(x[j], sign, plane)

@@ -1,4 +1,4 @@
-"""Neighbour rows: the neighbours of i are ``neigh[start[i]:start[i + 1]]`` (entries, see `mirror`)."""
+"""Neighbour rows: those of i are the ``n_neigh[i]`` entries from ``neigh[start[i]]`` on (entries: see `mirror`)."""
 
 import functools
 from typing import NamedTuple
@@ -7,13 +7,17 @@ import warp as wp
 
 from .mirror import INDEX_BITS, make_mirror
 from .spec import Spec
+from .tensor import make_tensor
+
+SLACK = 4
+"""Spare places of every row."""
 
 
 class NeighbourKernels(NamedTuple):
     """Kernels of this file."""
 
-    count: wp.Kernel
     fill: wp.Kernel
+    reserve: wp.Kernel
     cell_order: wp.Kernel
 
 
@@ -21,32 +25,10 @@ class NeighbourKernels(NamedTuple):
 def make_neighbours(s: Spec, planes: bool) -> NeighbourKernels:
     """Build the search, with the mirror images of the active planes if there are ``planes``."""
     real, vec = s.real, s.vec
-    mirror = make_mirror(s, planes)
+    mirror, dot = make_mirror(s, planes), make_tensor(s).dot
     module = s.module(__name__, "planes" if planes else "")
     masks = wp.constant(8 if planes else 1)
-
-    @wp.kernel(module=module)
-    def count(
-        offset: wp.int32,
-        # in:
-        grid: wp.uint64,
-        x: wp.array[vec],
-        plane: vec,
-        plane_mask: wp.int32,
-        radius: real,
-        # out:
-        n_neigh: wp.array[wp.int32],
-    ):
-        """Count the neighbours |x_i - x_j| < radius, mirror images included, i itself left out."""
-        i = wp.tid() + offset
-        n = wp.int32(0)
-        for mask in range(masks):
-            if (mask & plane_mask) == mask:
-                xi = mirror.point(x[i], mirror.sign(mask << INDEX_BITS), plane)
-                for j in wp.hash_grid_query(grid, xi, radius):
-                    if wp.length_sq(xi - x[j]) < radius * radius and (j != i or mask > 0):
-                        n += 1
-        n_neigh[i] = n
+    slack = wp.constant(SLACK)
 
     @wp.kernel(module=module)
     def fill(
@@ -60,17 +42,42 @@ def make_neighbours(s: Spec, planes: bool) -> NeighbourKernels:
         start: wp.array[wp.int32],
         # out:
         neigh: wp.array[wp.int32],
+        n_neigh: wp.array[wp.int32],
+        overflow: wp.array[wp.int32],
     ):
-        """Write the entries in the grid's order, which depends on positions and memory order alone."""
+        """Write the neighbours |x_i - x_j| < radius, mirror images included, i itself left out.
+
+        Every candidate is written and only a neighbour moves the end on: no branch to mispredict, and the reason
+        why a row has at least one spare place. A row without room is counted to its end and reported, never cut.
+        """
         i = wp.tid() + offset
-        k = start[i]
+        first = start[i]
+        room = start[i + 1] - first
+        n = wp.int32(0)
         for mask in range(masks):
             if (mask & plane_mask) == mask:
                 xi = mirror.point(x[i], mirror.sign(mask << INDEX_BITS), plane)
                 for j in wp.hash_grid_query(grid, xi, radius):
-                    if wp.length_sq(xi - x[j]) < radius * radius and (j != i or mask > 0):
-                        neigh[k] = j | (mask << INDEX_BITS)
-                        k += 1
+                    if n < room:
+                        neigh[first + n] = j | (mask << INDEX_BITS)
+                    xij = xi - x[j]
+                    near = dot(xij, xij) < radius * radius and (j != i or mask > 0)
+                    n += wp.where(near, 1, 0)
+        n_neigh[i] = n
+        if n >= room:
+            overflow[0] = 1
+
+    @wp.kernel(module=module)
+    def reserve(
+        offset: wp.int32,
+        # in:
+        n_neigh: wp.array[wp.int32],
+        # out:
+        room: wp.array[wp.int32],
+    ):
+        """Give every row a quarter more than it needs now, and `SLACK` places."""
+        i = wp.tid() + offset
+        room[i] = n_neigh[i] + n_neigh[i] / 4 + slack
 
     @wp.kernel(module=module)
     def cell_order(
@@ -84,4 +91,4 @@ def make_neighbours(s: Spec, planes: bool) -> NeighbourKernels:
         k = wp.tid() + offset
         order[k] = wp.hash_grid_point_id(grid, k)
 
-    return NeighbourKernels(count, fill, cell_order)
+    return NeighbourKernels(fill, reserve, cell_order)

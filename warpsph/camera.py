@@ -99,7 +99,9 @@ def parse_cut(text: str, view: str, box: np.ndarray) -> Cut:
         axis = "xyz".index(match[1])
         position = float(match[2]) if match[2] else float(box[:, axis].mean())
     except (TypeError, ValueError):
-        raise InputError(f"cut {text!r} is no plane; allowed: x, y or z, with or without a position, as y=0.01") from None
+        raise InputError(
+            f"cut {text!r} is no plane; allowed: x, y or z, with or without a position, as y=0.01"
+        ) from None
     return Cut(axis, position, -1.0 if VIEWS[view][0][axis] >= 0.0 else 1.0)
 
 
@@ -112,7 +114,7 @@ def place_2d(box: np.ndarray, aspect: float) -> Camera:
     """
     size, focus = box[1] - box[0], box.mean(axis=0)
     height = max(size[1], size[0] / aspect)
-    return Camera(focus + [0.0, 0.0, 2.0 * height], focus, np.eye(3)[0], np.eye(3)[1], height, True)
+    return Camera(focus + 2.0 * height * np.eye(3)[2], focus, np.eye(3)[0], np.eye(3)[1], height, True)
 
 
 def place_3d(box: np.ndarray, aspect: float, view: str) -> Camera:

@@ -1,11 +1,11 @@
 """The command line: ``warpsph COMMAND``, and the same options for a scene that is run as a script."""
 
-import functools
+import contextlib
 import inspect
 import math
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -14,12 +14,21 @@ from cyclopts import App, CycloptsError, Group, Parameter, UnusedCliTokensError
 from . import __version__, library
 from .errors import InputError, RunError
 from .library import SceneFile
+from .progress import Progress, quiet_warp
 
 INPUT, STOPPED, INTERRUPTED = 2, 3, 130
 """Exit codes besides 0: bad input, a run that had to stop, Ctrl-C."""
 
 FILE_ERRORS = (FileNotFoundError, FileExistsError, PermissionError, NotADirectoryError, IsADirectoryError)
 """Failures of the file system that a user can put right on the command line."""
+
+POSITIONAL, KEYWORD = inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.KEYWORD_ONLY
+"""Kinds of parameters in a signature."""
+
+SceneName = Annotated[
+    str, Parameter(help="A bundled scene by name (see `warpsph scenes`) or the path of a .py file.")
+]
+"""The argument that names a scene."""
 
 Flag = Annotated[bool, Parameter(negative="")]
 """An option without a value and without a ``--no-`` form."""
@@ -45,7 +54,7 @@ def run_file(path: str) -> None:
 
     def make() -> App:
         file = library.load(path)
-        return _new_app(Path(path).name, file.summary, default_command=_run_command(file, script=True))
+        return _new_app(Path(path).name, "", default_command=_run_command(file, script=True))
 
     sys.exit(_exit_code(make, tokens))
 
@@ -83,7 +92,9 @@ def _new_app(name: str, text: str, **settings: Any) -> App:
 
 def _app(tokens: list[str]) -> App:
     """Make the application; ``run`` gets the parameters of the scene that the tokens name."""
-    app = _new_app("warpsph", "Smoothed particle hydrodynamics of high-velocity impact, on NVIDIA Warp kernels.")
+    app = _new_app(
+        "warpsph", "Smoothed particle hydrodynamics of high-velocity impact, on NVIDIA Warp kernels."
+    )
     app.command(_run_command(_scene_in(tokens)), name="run")
     for command in (resume, render, info, plot, materials, scenes, validate, bench):
         app.command(command)
@@ -100,21 +111,25 @@ def _scene_in(tokens: list[str]) -> SceneFile | None:
 
 def _run_command(file: SceneFile | None, *, script: bool = False) -> Callable:
     """Make `run` with the parameters of a scene as options; a script has no argument that names the scene."""
-    own = inspect.signature(run).parameters
-    entries = [] if script else [inspect.Parameter("scene", inspect.Parameter.POSITIONAL_ONLY, annotation=SceneName)]
-    entries += list(own.values())[1:-1]
+    entries = [] if script else [inspect.Parameter("scene", POSITIONAL, annotation=SceneName)]
+    entries += list(inspect.signature(run).parameters.values())[1:-1]
+    reserved = {entry.name for entry in entries} | {"scene", "help", "version"}
     group = Group("Parameters of the scene", sort_key=1)
     for p in file.parameters.values() if file else ():
-        if p.name in own or p.name in ("scene", "help", "version"):
-            raise InputError(f"{file.path}: parameter {p.name!r} of build() is an option of `warpsph run`; rename it")
+        if p.name in reserved:
+            raise InputError(
+                f"{file.path}: parameter {p.name!r} of build() is an option of `warpsph run`; rename it"
+            )
         hint = Annotated[p.annotation, Parameter(help=p.help, group=group)]
-        entries.append(inspect.Parameter(p.name, inspect.Parameter.KEYWORD_ONLY, default=p.default, annotation=hint))
+        entries.append(inspect.Parameter(p.name, KEYWORD, default=p.default, annotation=hint))
 
     def command(_scene: str = "", /, **options):
         run(file, **options)
 
     command.__signature__ = inspect.Signature(entries)
     command.__doc__ = run.__doc__
+    if file:
+        command.__doc__ = f"Run {file.name}: {file.summary}\n" + run.__doc__.partition("\n")[2]
     return command
 
 
@@ -134,6 +149,7 @@ def run(
     """Run a scene; `warpsph run SCENE --help` shows the scene's own parameters too.
 
     Args:
+        file: The scene.
         out: Folder for the results; runs/SCENE if not given.
         device: Where to compute: cpu, or cuda:0, cuda:1, ...
         precision: Arithmetic of the particles.
@@ -141,20 +157,17 @@ def run(
         threads: CPU threads; all cores if not given.
         force: Replace what an earlier run left in the folder.
         frames: Render a picture for each snapshot.
+        **parameters: Those of the scene.
     """
     out = out or Path("runs", file.name)
     _check_limits(until, threads)
     _check_output(out, force)
-    _quiet_warp()
-    from .launch import find_device
+    with _reporting(device) as progress:
+        from .run import run as run_scene
 
-    find_device(device)
-    scene = file.build(**parameters)
-    from . import run as runner
-
-    values = {name: p.default for name, p in file.parameters.items()} | parameters
-    with _reporting() as progress:
-        summary = runner.run(
+        scene = file.build(**parameters)
+        values = {name: p.default for name, p in file.parameters.items()} | parameters
+        summary = run_scene(
             scene, out, device=device, precision=precision, threads=threads, until=until, force=force,
             parameters=values, source=file.source, frames=frames, progress=progress,
         )  # fmt: skip
@@ -182,14 +195,50 @@ def resume(
     _check_limits(until, threads)
     if not (folder / "checkpoint.h5").is_file():
         raise InputError(f"{folder} holds no checkpoint.h5; allowed: the folder of a run")
-    _quiet_warp()
-    from . import run as runner
+    with _reporting(device) as progress:
+        from .run import resume as resume_run
 
-    with _reporting() as progress:
-        summary = runner.resume(
+        summary = resume_run(
             folder, until=until, threads=threads, device=device, frames=frames, progress=progress
         )
     _print_summary(summary, folder)
+
+
+def render(
+    folder: Path,
+    /,
+    *,
+    field: str = "pressure",
+    view: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    cut: str | None = None,
+    range: tuple[float, float] | None = None,
+    every: int = 1,
+    output: Path | None = None,
+    movie: Path | None = None,
+    size: tuple[int, int] = (1280, 960),
+    cmap: str | None = None,
+) -> None:
+    """Make pictures, and a movie if you like, of the snapshots of a run.
+
+    Args:
+        folder: Folder of a run.
+        field: What gives the colour: any quantity that `warpsph info` lists.
+        view: Where to look from: xy in 2D; iso, x, -x, y, -y, z, -z, xy, xz or yz in 3D.
+        cut: Plane in 3D; the half towards the camera is left out: y, or y=0.01 [m].
+        range: Lowest and highest value of the colours; from the data if not given.
+        every: Take every n-th snapshot.
+        output: Folder of the pictures; frames in the run's folder if not given.
+        movie: Movie to write as well, .mp4.
+        size: Width and height of the pictures [pixels].
+        cmap: Colour map of matplotlib, such as viridis; one that suits the values if not given.
+    """
+    from .render import render as draw
+
+    files = draw(
+        folder, field=field, view=view, cut=cut, range=range, every=every, output=output, movie=movie,
+        size=size, cmap=cmap,
+    )  # fmt: skip
+    print("\n".join(map(str, files)))
 
 
 def info(path: Path, /) -> None:
@@ -208,7 +257,7 @@ def plot(folder: Path, /, *, output: Path | None = None) -> None:
 
     Args:
         folder: Folder of a run.
-        output: Picture to write, .png or .svg; history.png in the folder if not given.
+        output: Picture to write, .png, .svg or .pdf; plot.png in the folder if not given.
     """
     from .plot import plot as draw
 
@@ -221,14 +270,14 @@ def materials(name: str | None = None, /) -> None:
     Args:
         name: Material to describe.
     """
-    from . import materials as library_of_materials
     from .info import table
+    from .materials import get, names
 
     if name is not None:
-        print(library_of_materials.get(name).describe())
+        print(get(name).describe())
         return
     rows = []
-    for material in map(library_of_materials.get, library_of_materials.names()):
+    for material in map(get, names()):
         laws = material.eos.title, material.strength.title
         rows.append((material.name, f"{material.density:g}", *laws))
     print(table(rows, ("material", "density [kg/m^3]", "equation of state", "strength")))
@@ -243,9 +292,97 @@ def scenes(name: str | None = None, /) -> None:
     from .info import table
 
     if name is None:
-        print(table([(file.name, file.summary) for file in map(library.load, library.names())], ("scene", "")))
+        print(
+            table([(file.name, file.summary) for file in map(library.load, library.names())], ("scene", ""))
+        )
         return
     file = library.load(name)
-    rows = [(f"--{p.name.replace('_', '-')}", str(p.default), p.kind, p.help) for p in file.parameters.values()]
+    rows = [
+        (f"--{p.name.replace('_', '-')}", str(p.default), p.kind, p.help) for p in file.parameters.values()
+    ]
     print(f"{file.name}: {file.summary}\n{file.path}")
     print("\n" + table(rows, ("parameter", "default", "allowed", "")) if rows else "It has no parameters.")
+
+
+def validate(case: str | None = None, /, *, out: Path = Path("runs/validation")) -> None:
+    """Run a validation case and compare its measures with the published ones.
+
+    Args:
+        case: Scene to validate; all that have published numbers if not given.
+        out: Folder for the runs and the report.
+    """
+    with _reporting("cpu"):
+        from .validate import validate as compare
+
+        compare(case, out)
+
+
+def bench() -> None:
+    """Measure particle-steps per second on this machine."""
+    with _reporting("cpu"):
+        from .bench import bench as measure
+
+        measure()
+
+
+@contextlib.contextmanager
+def _reporting(device: str | None) -> Iterator[Progress]:
+    """Start Warp quietly, check the device, and report progress until the end."""
+    progress = Progress()
+    with quiet_warp(progress) as said:
+        _check_device(device or "cpu", said)
+        try:
+            yield progress
+        finally:
+            progress.stop()
+
+
+def _check_device(device: str, said: str) -> None:
+    """Check that a device exists.
+
+    Raises:
+        InputError: If not; adds what Warp ``said`` about the drivers.
+    """
+    from .launch import find_device
+
+    try:
+        find_device(device)
+    except InputError as error:
+        raise InputError(f"{error} ({said})" if said else str(error)) from None
+
+
+def _check_limits(until: float | None, threads: int | None) -> None:
+    """Check the numbers that every run takes.
+
+    Raises:
+        InputError: Naming the option, its value and what is allowed.
+    """
+    if until is not None and not 0.0 < until < math.inf:
+        raise InputError(f"--until {until:g} is not allowed; allowed: a positive time [s]")
+    if threads is not None and threads < 1:
+        raise InputError(f"--threads {threads} is not allowed; allowed: 1 or more")
+
+
+def _check_output(out: Path, force: bool) -> None:
+    """Check that results can go into a folder, without touching it.
+
+    Raises:
+        InputError: If it is a file, holds something (unless ``force``), or cannot be written.
+    """
+    parent = next(folder for folder in (out, *out.absolute().parents) if folder.exists())
+    if not parent.is_dir():
+        raise InputError(f"output folder {out} cannot be made: {parent} is a file")
+    if not os.access(parent, os.W_OK | os.X_OK):
+        raise InputError(f"output folder {out} cannot be written: no permission in {parent}")
+    if parent == out and not force and any(out.iterdir()):
+        raise InputError(
+            f"output folder {out} is not empty; use --force, another --out, or `warpsph resume {out}`"
+        )
+
+
+def _print_summary(summary: dict[str, Any], out: Path) -> None:
+    """Print the outcome of a run."""
+    from .info import describe_summary
+
+    print(describe_summary(summary))
+    print(f"results in {out}")

@@ -112,7 +112,9 @@ def _parse(path: Path) -> tuple[list[tuple[str, str]], list[list[str]]]:
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path} is not readable as a history ({getattr(error, 'strerror', None) or error})") from error
+        raise InputError(
+            f"{path} is not readable as a history ({getattr(error, 'strerror', None) or error})"
+        ) from error
     header, *rows = list(csv.reader(text[: text.rfind("\n") + 1].splitlines())) or [[]]
     matches = [re.fullmatch(r"(.+) \[(.*)\]", cell) for cell in header]
     if not matches or not all(matches) or matches[0][1] != "time":

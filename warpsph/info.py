@@ -39,7 +39,9 @@ def describe(path: Path) -> str:
         return describe_summary(read_summary(path / "summary.json"))
     found = snapshot.find(path)
     if not found:
-        raise InputError(f"{path} holds neither summary.json nor snapshots; allowed: a run folder or a .vtkhdf snapshot")
+        raise InputError(
+            f"{path} holds neither summary.json nor snapshots; allowed: a run folder or a .vtkhdf snapshot"
+        )
     return describe_state(snapshot.read(found[-1]))
 
 

@@ -130,9 +130,8 @@ def find(name_or_path: str | Path) -> Path:
         return path.resolve()
     close = difflib.get_close_matches(path.stem, names(), n=1)
     hint = f" (did you mean {close[0]}?)" if close else ""
-    raise InputError(
-        f"scene {text!r} does not exist{hint}; allowed: {', '.join(names())}, or the path of a .py file"
-    )
+    allowed = ", ".join([*names(), "the path of a .py file"])
+    raise InputError(f"scene {text!r} does not exist{hint}; allowed: {allowed}")
 
 
 def load(name_or_path: str | Path) -> SceneFile:

@@ -20,6 +20,9 @@ FAR_FLUNG = 1.0
 SMALL = 0.02
 """A colour range that crosses zero by less than this share of its width does not count as signed."""
 
+NEAR_ZERO = 0.2
+"""A positive colour range that begins below this share of its highest value begins at zero."""
+
 
 @dataclass(frozen=True)
 class Look:
@@ -129,7 +132,9 @@ def _check(range: tuple[float, float] | None, size: tuple[int, int], cmap: str |
     if len(size) != 2 or not all(200 <= pixels <= 8192 for pixels in size):
         raise InputError(f"size {size!r} is out of range; allowed: width and height of 200 to 8192 pixels")
     if cmap is not None and cmap not in matplotlib.colormaps:
-        raise InputError(f"cmap {cmap!r} does not exist; allowed: matplotlib's colour maps, for example viridis, coolwarm")
+        raise InputError(
+            f"cmap {cmap!r} does not exist; allowed: matplotlib's colour maps, for example viridis, coolwarm"
+        )
 
 
 def _span(values: np.ndarray) -> tuple[float, float, float, float]:
@@ -141,21 +146,29 @@ def _span(values: np.ndarray) -> tuple[float, float, float, float]:
     return finite.min(), low, high, finite.max()
 
 
-def _limits(spans: np.ndarray, quantity: Scalar, range: tuple[float, float] | None) -> tuple[tuple[float, float], str]:
+def _limits(
+    spans: np.ndarray, quantity: Scalar, range: tuple[float, float] | None
+) -> tuple[tuple[float, float], str]:
     """Colour range of the sequence, and which ends values go beyond."""
     if quantity.categories is not None:
         return (-0.5, len(quantity.categories) - 0.5), "neither"
     spans = spans[np.isfinite(spans).all(axis=1)]
-    lowest, low, high, highest = (*spans[:, :2].min(axis=0), *spans[:, 2:].max(axis=0)) if len(spans) else (0.0,) * 4
+    lowest, low, high, highest = (
+        (*spans[:, :2].min(axis=0), *spans[:, 2:].max(axis=0)) if len(spans) else (0.0,) * 4
+    )
     if range is not None:
         low, high = range
     elif low == high:
         low, high = lowest, highest
+    if range is None and 0.0 < low < NEAR_ZERO * high:
+        low = 0.0
     if low == high:
         margin = 0.05 * abs(low) or 1.0
         low, high = low - margin, high + margin
     below, above = lowest < low - 0.01 * (high - low), highest > high + 0.01 * (high - low)
-    return (float(low), float(high)), {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}[below, above]
+    return (float(low), float(high)), {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}[
+        below, above
+    ]
 
 
 def _usual_cmap(quantity: Scalar, signed: bool) -> str:

@@ -25,6 +25,7 @@ class Neighbours:
 
     Attributes:
         start: Row offsets, shape [n + 1], int32.
+        n_neigh: Entries in use in each row, shape [n], int32.
         neigh: Entries (particle index and mirror bits), shape [capacity], int32; grows, never truncates.
         x_listed: Positions at the last build [m], shape [n, 3].
         plane: Positions of the symmetry planes normal to x, y, z [m].
@@ -42,7 +43,9 @@ class Neighbours:
         self._kernels = make_neighbours(spec, bool(planes))
         with wp.ScopedDevice(launcher.device):
             self._grid = wp.HashGrid(*CELLS[spec.dim], dtype=spec.real)
-            self._n_neigh = wp.zeros(n + 1, dtype=wp.int32)  # the last stays 0: the scan ends in the total
+            self._room = wp.zeros(n + 1, dtype=wp.int32)  # the last stays 0: the scan ends in the total
+            self._overflow = wp.zeros(1, dtype=wp.int32)
+            self.n_neigh = wp.zeros(n, dtype=wp.int32)
             self._order = wp.zeros(n, dtype=wp.int32)
             self.start = wp.zeros(n + 1, dtype=wp.int32)
             self.neigh = wp.empty(1, dtype=wp.int32)
@@ -50,34 +53,45 @@ class Neighbours:
         self.builds, self.generation = 0, 0
 
     def build(self) -> None:
-        """Rebuild the rows, and re-sort the particles in memory first when it is time to."""
+        """Rebuild the rows, and re-sort the particles in memory first when it is time to.
+
+        Reading one flag back is the only synchronisation: rows keep their place as long as all of them have room.
+        """
         p = self._particles
         self._grid.build(p.x, self.radius)
         if self.builds % SORT_EVERY == 0:
             self._launcher.launch(self._kernels.cell_order, p.n, grid=self._grid, order=self._order)
             p.reorder(self._order)
             self._grid.build(p.x, self.radius)
-        self._count(self.radius)
-        wp.utils.array_scan(self._n_neigh, self.start, inclusive=False)
-        total = int(self.start[p.n :].numpy()[0])
-        if total > self.neigh.size:
-            self.neigh = wp.empty(int(GROWTH * total), dtype=wp.int32, device=self._launcher.device)
-            self.generation += 1
-        self._launcher.launch(
-            self._kernels.fill, p.n, self, p, grid=self._grid, plane_mask=self._mask
-        )
+        self._fill(self.radius)
+        if self._overflow.numpy()[0]:
+            self._enlarge()
+            self._fill(self.radius)
         wp.copy(self.x_listed, p.x)
         self.builds += 1
 
-    def _count(self, radius: float) -> None:
-        p = self._particles
+    def _fill(self, radius: float) -> None:
+        self._overflow.zero_()
         self._launcher.launch(
-            self._kernels.count, p.n, self, p,
-            grid=self._grid, plane_mask=self._mask, radius=radius, n_neigh=self._n_neigh,
+            self._kernels.fill, self._particles.n, self, self._particles,
+            grid=self._grid, plane_mask=self._mask, radius=radius, overflow=self._overflow,
         )  # fmt: skip
 
+    def _enlarge(self) -> None:
+        """Make room for what the last filling counted."""
+        n = self._particles.n
+        self._launcher.launch(self._kernels.reserve, n, self, room=self._room)
+        wp.utils.array_scan(self._room, self.start, inclusive=False)
+        total = int(self.start[n:].numpy()[0])
+        if total > self.neigh.size:
+            self.neigh = wp.empty(int(GROWTH * total), dtype=wp.int32, device=self._launcher.device)
+            self.generation += 1
+
     def mean_count(self) -> float:
-        """Mean number of neighbours within the kernel's support now, the particle itself left out."""
+        """Mean number of neighbours within the kernel's support now, the particle itself left out.
+
+        Leaves rows without skin behind: build again before the next step.
+        """
         self._grid.build(self._particles.x, self.radius)
-        self._count(self.support)
-        return float(np.mean(self._n_neigh.numpy()[:-1]))
+        self._fill(self.support)
+        return float(np.mean(self.n_neigh.numpy()))

@@ -1,7 +1,12 @@
 """What a user sees while a run goes on: a live line in a terminal, now and then a plain line in a log."""
 
+import contextlib
+import os
 import sys
+import tempfile
 import time
+from collections.abc import Iterator
+from types import ModuleType
 from typing import TextIO
 
 from . import units
@@ -42,7 +47,7 @@ class Progress:
         """Begin: the run goes from ``start_time`` to ``total_time`` [s]."""
         self._total, self._begin = total_time, start_time
         self._share = 0.0
-        self._wall_start = self._wall_logged = time.monotonic()
+        self._wall_start = self._wall_logged = _now()
         if self._live and self._bar is None:
             self._bar = _make_bar(self._console)
             self._task = self._bar.add_task("", total=1.0, text="")
@@ -61,7 +66,11 @@ class Progress:
         length = self._total - self._begin
         share = min(max((time - self._begin) / length, 0.0), 1.0) if length > 0.0 else 1.0
         facts = [f"{si(time, 's')} of {si(self._total, 's')}", f"{self._left(share)} left", f"step {step}"]
-        facts += [f"dt {si(dt, 's')}", f"energy error {energy_error:.0e}", f"{rate / 1e6:.3g} M particle-steps/s"]
+        facts += [
+            f"dt {si(dt, 's')}",
+            f"energy error {energy_error:.0e}",
+            f"{rate / 1e6:.3g} M particle-steps/s",
+        ]
         if self._bar is not None:
             self._bar.update(self._task, completed=share, text="  ".join(facts))
         elif self._is_due(share):
@@ -90,6 +99,63 @@ class Progress:
         if share - self._share >= LOG_SHARE - 1e-9:
             return waited >= LOG_SHARE * LOG_SECONDS
         return waited >= max(LOG_SECONDS, LOG_SHARE * (_now() - self._wall_start))
+
+
+class WarpLog:
+    """Warp's messages, quiet but for warnings, errors and one line when kernels have to be compiled."""
+
+    def __init__(self, progress: Progress, inner):
+        """Report a compilation to ``progress``; hand warnings and errors to the logger ``inner``."""
+        self._progress, self._inner = progress, inner
+        self._told = False
+
+    def debug(self, message: str) -> None:
+        """Say nothing."""
+
+    def info(self, message: str) -> None:
+        """Tell of the first module that was compiled; Warp reports each one when it is done."""
+        if message.rstrip().endswith("(compiled)") and not self._told:
+            self._told = True
+            self._progress.message("compiling kernels (first run only) ...")
+
+    def warning(self, message: str, category: type | None = None, stacklevel: int = 1) -> None:
+        """Pass a warning on."""
+        self._inner.warning(message, category, stacklevel + 1)
+
+    def error(self, message: str) -> None:
+        """Pass an error on."""
+        self._inner.error(message)
+
+
+@contextlib.contextmanager
+def quiet_warp(progress: Progress) -> Iterator[str]:
+    """Start Warp, with its messages turned down until the context ends.
+
+    Yields:
+        What its native part wrote to stderr, such as that there is no CUDA driver; not shown to the user.
+    """
+    import warp as wp
+
+    usual = wp.get_logger()
+    wp.set_logger(WarpLog(progress, usual))
+    try:
+        yield _start(wp)
+    finally:
+        wp.set_logger(usual)
+
+
+def _start(wp: ModuleType) -> str:
+    """Initialise Warp and give what its native part, which knows no logger, writes to stderr."""
+    with tempfile.TemporaryFile() as said:
+        stderr = os.dup(2)
+        os.dup2(said.fileno(), 2)
+        try:
+            wp.init()
+        finally:
+            os.dup2(stderr, 2)
+            os.close(stderr)
+        said.seek(0)
+        return " ".join(said.read().decode(errors="replace").split())
 
 
 def _now() -> float:

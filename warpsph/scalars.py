@@ -12,8 +12,8 @@ from .state import State
 AXES = ("x", "y", "z")
 """Components of a vector."""
 
-PAIRS = ("xx", "yy", "zz", "xy", "xz", "yz")
-"""Components of a symmetric tensor."""
+PAIRS = (("xx", 0, 0), ("yy", 1, 1), ("zz", 2, 2), ("xy", 0, 1), ("xz", 0, 2), ("yz", 1, 2))
+"""Components of a symmetric tensor, with their indices."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,8 @@ def _table(state: State) -> dict[str, tuple[str, str, Callable[[], np.ndarray]]]
             continue
         array, words = state.fields[f.name], f.title.replace("_", " ")
         if f.kind == "mat":
-            table |= _components(f.title, words, f.unit, array)
+            for pair, i, j in PAIRS:
+                table[f"{f.title}_{pair}"] = (f"{words} {pair}", f.unit, lambda a=array, i=i, j=j: a[:, i, j])
         elif f.kind == "vec":
             table[f.title] = (f"|{words}|", f.unit, lambda a=array: np.linalg.norm(a, axis=1))
             for k, axis in enumerate(AXES):
@@ -81,24 +82,31 @@ def _derived(state: State) -> dict[str, tuple[str, str, Callable[[], np.ndarray]
     if "v" in fields:
         table["speed"] = ("speed", "m/s", lambda: np.linalg.norm(state.v, axis=1))
     if "tau" in fields:
-        table["von_mises"] = ("von Mises stress", "Pa", lambda: np.sqrt(1.5) * np.linalg.norm(state.tau, axis=(1, 2)))
+        table["von_mises"] = (
+            "von Mises stress",
+            "Pa",
+            lambda: np.sqrt(1.5) * np.linalg.norm(state.tau, axis=(1, 2)),
+        )
     if "tau" in fields and "p" in fields:
-        table |= _components("stress", "stress", "Pa", state.tau - state.p[:, None, None] * np.eye(3))
-    return table
-
-
-def _components(title: str, words: str, unit: str, array: np.ndarray) -> dict:
-    """Components of a symmetric tensor."""
-    table = {}
-    for pair in PAIRS:
-        i, j = (AXES.index(axis) for axis in pair)
-        table[f"{title}_{pair}"] = (f"{words} {pair}", unit, lambda i=i, j=j: array[:, i, j])
+        for pair, i, j in PAIRS:
+            pressure = state.p if i == j else 0.0
+            table[f"stress_{pair}"] = (
+                f"stress {pair}",
+                "Pa",
+                lambda i=i, j=j, p=pressure: state.tau[:, i, j] - p,
+            )
     return table
 
 
 def _categories(state: State, name: str) -> tuple[str, ...] | None:
     """Names of the values of an index."""
     if name == "fixed":
-        return tuple("".join(axis for k, axis in enumerate(AXES) if bits >> k & 1) or "free" for bits in range(8))
-    indices = {"body": state.bodies, "material": state.materials, "kernel_type": ("Eulerian", "Total Lagrangian")}
+        return tuple(
+            "".join(axis for k, axis in enumerate(AXES) if bits >> k & 1) or "free" for bits in range(8)
+        )
+    indices = {
+        "body": state.bodies,
+        "material": state.materials,
+        "kernel_type": ("Eulerian", "Total Lagrangian"),
+    }
     return tuple(indices[name]) if name in indices else None

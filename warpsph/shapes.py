@@ -72,7 +72,9 @@ class Shape(ABC):
         """Give the shape moved by ``vector`` [m], of `dim` components."""
         return self.moved(Motion(shift=vector3(checks.vector("translation", vector, self.dim))))
 
-    def rotate(self, axis: str | tuple[float, ...], degrees: float, *, center: tuple[float, ...] | None = None) -> "Shape":
+    def rotate(
+        self, axis: str | tuple[float, ...], degrees: float, *, center: tuple[float, ...] | None = None
+    ) -> "Shape":
         """Give the shape turned right-handedly about an axis through ``center`` [m] (default the origin).
 
         Args:
@@ -84,9 +86,13 @@ class Shape(ABC):
             InputError: If the axis, the angle or the centre is not allowed.
         """
         if (self.dim == 2 and axis != "z") or self.dim == 1:
-            raise checks.refuse("axis of rotation", axis, '"z" for a 2D shape' if self.dim == 2 else "none for a 1D shape")
+            raise checks.refuse(
+                "axis of rotation", axis, '"z" for a 2D shape' if self.dim == 2 else "none for a 1D shape"
+            )
         rotation = _rotation(axis, checks.number("angle of rotation", degrees))
-        about = np.zeros(3) if center is None else vector3(checks.vector("center of rotation", center, self.dim))
+        about = (
+            np.zeros(3) if center is None else vector3(checks.vector("center of rotation", center, self.dim))
+        )
         return self.moved(Motion(rotation=rotation, shift=about - rotation @ about))
 
     def scale(self, factor: float) -> "Shape":
@@ -118,7 +124,9 @@ class Box(Shape):
 
     low: tuple[float, ...]
     high: tuple[float, ...]
-    axes: tuple[tuple[float, ...], ...] = field(default=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), repr=False)
+    axes: tuple[tuple[float, ...], ...] = field(
+        default=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), repr=False
+    )
 
     def __post_init__(self):
         low = checks.vector("low of Box", self.low, 1, 2, 3)
@@ -136,7 +144,9 @@ class Box(Shape):
     def contains(self, points, tolerance=0.0):
         """See `Shape.contains`."""
         own = (points @ np.array(self.axes).T)[:, : self.dim]
-        return ((own >= np.array(self.low) - tolerance) & (own <= np.array(self.high) + tolerance)).all(axis=1)
+        return ((own >= np.array(self.low) - tolerance) & (own <= np.array(self.high) + tolerance)).all(
+            axis=1
+        )
 
     def bounds(self):
         """See `Shape.bounds`."""
@@ -148,7 +158,9 @@ class Box(Shape):
     def moved(self, motion):
         """See `Shape.moved`."""
         axes = np.array(self.axes) @ motion.rotation.T
-        low, high = (motion.factor * vector3(corner) + axes @ motion.shift for corner in (self.low, self.high))
+        low, high = (
+            motion.factor * vector3(corner) + axes @ motion.shift for corner in (self.low, self.high)
+        )
         return Box(low[: self.dim], high[: self.dim], tuple(map(tuple, axes.tolist())))
 
 
@@ -279,8 +291,14 @@ class Cone(Shape):
     def bounds(self):
         """See `Shape.bounds`."""
         span = np.subtract(self.end, self.start)
-        reach = np.sqrt(np.clip(1.0 - (span / np.linalg.norm(span)) ** 2, 0.0, 1.0))  # of a disc of radius one
-        ends = [c + s * r * reach for c, r in ((self.start, self.radius), (self.end, self.end_radius)) for s in (-1.0, 1.0)]
+        reach = np.sqrt(
+            np.clip(1.0 - (span / np.linalg.norm(span)) ** 2, 0.0, 1.0)
+        )  # of a disc of radius one
+        ends = [
+            c + s * r * reach
+            for c, r in ((self.start, self.radius), (self.end, self.end_radius))
+            for s in (-1.0, 1.0)
+        ]
         return np.array((np.min(ends, axis=0), np.max(ends, axis=0)))
 
     def moved(self, motion):
@@ -384,14 +402,14 @@ class Mesh(Shape):
     Mesh files carry no unit: a part drawn in millimetres needs ``Mesh("part.stl").scale(1e-3)``.
 
     Attributes:
-        source: A file (STL, OBJ, PLY or another one that PyVista reads) or a PyVista mesh. Holds the closed,
+        source: A file (STL, OBJ, PLY or another one that PyVista reads) or a `pyvista.PolyData`. Holds the closed,
             outward-oriented triangles after construction.
 
     Raises:
         InputError: If the file cannot be read or the surface is not closed.
     """
 
-    source: "str | Path | pyvista.DataSet"
+    source: "str | Path | pyvista.PolyData"
     dim = 3
 
     def __post_init__(self):
@@ -427,7 +445,9 @@ class _Pair(Shape):
 
     def __post_init__(self):
         if self.first.dim != self.second.dim:
-            raise InputError(f"{self.second} cannot be combined with {self.first}; allowed: shapes of the same dimension")
+            raise InputError(
+                f"{self.second} cannot be combined with {self.first}; allowed: shapes of the same dimension"
+            )
 
     @property
     def dim(self) -> int:

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import atomic, hdf5
-from .errors import InputError
 from .fields import BY_NAME, FIELDS, Field
 from .state import State
 
@@ -68,7 +67,12 @@ def read(path: Path) -> State:
             fields[name] = _shaped(BY_NAME[name], array, n)
         numbers = {name: facts[name][0].item() for name in ("step", "dim", "spacing", "h")}
         texts = {name: list(facts[name].asstr("utf-8")[:]) for name in ("scene", "bodies", "materials")}
-        return State(time=facts["TimeValue"][0].item(), **numbers, **(texts | {"scene": texts["scene"][0]}), fields=fields)
+        return State(
+            time=facts["TimeValue"][0].item(),
+            **numbers,
+            **(texts | {"scene": texts["scene"][0]}),
+            fields=fields,
+        )
 
 
 def time(path: Path) -> float:
@@ -90,7 +94,9 @@ def find(folder: Path) -> list[Path]:
     folder = Path(folder)
     inner = folder / "snapshots"
     numbered = (inner if inner.is_dir() else folder).glob("*_*.vtkhdf")
-    return sorted((path for path in numbered if _number(path) is not None), key=lambda path: (_number(path), path.name))
+    return sorted(
+        (path for path in numbered if _number(path) is not None), key=lambda path: (_number(path), path.name)
+    )
 
 
 def series(folder: Path) -> Path | None:
@@ -158,8 +164,8 @@ def _shaped(f: Field, array: np.ndarray, n: int) -> np.ndarray:
     """A field as the state holds it.
 
     Raises:
-        InputError: If the file gives it another shape.
+        ValueError: If the file gives it another shape.
     """
     if array.shape != (n, *COMPONENTS[f.kind]):
-        raise InputError(f"snapshot field {f.title!r} has shape {array.shape}; expected {(n, *COMPONENTS[f.kind])}")
+        raise ValueError(f"field {f.title!r} has shape {array.shape}; expected {(n, *COMPONENTS[f.kind])}")
     return array.reshape(n, 3, 3) if f.kind == "mat" else array

@@ -1,5 +1,9 @@
 """Closed surface meshes: read with PyVista, check, and ask which points lie inside."""
 
+import contextlib
+import logging
+import warnings
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +15,7 @@ if TYPE_CHECKING:
     import pyvista
 
 
-def closed_surface(source: "str | Path | pyvista.DataSet") -> "pyvista.PolyData":
+def closed_surface(source: "str | Path | pyvista.PolyData") -> "pyvista.PolyData":
     """Give the closed, outward-oriented triangle surface of a mesh file or a PyVista mesh.
 
     Raises:
@@ -21,7 +25,9 @@ def closed_surface(source: "str | Path | pyvista.DataSet") -> "pyvista.PolyData"
     name = str(source) if is_file else f"of type {type(source).__name__}"
     surface = _triangles(_read(Path(source)) if is_file else source, name)
     if surface.n_open_edges:
-        raise InputError(f"mesh {name} is not closed: {surface.n_open_edges} open or multiple edges; allowed: a closed surface")
+        raise InputError(
+            f"mesh {name} is not closed: {surface.n_open_edges} open or multiple edges; allowed: a closed surface"
+        )
     return _outward(surface)
 
 
@@ -34,28 +40,47 @@ def signed_distance(surface: "pyvista.PolyData", points: np.ndarray) -> np.ndarr
     return np.asarray(pyvista.PolyData(points).compute_implicit_distance(surface)["implicit_distance"])
 
 
-def _read(path: Path) -> "pyvista.DataSet":
+def _read(path: Path) -> "pyvista.DataObject":
     import pyvista
 
     if not path.is_file():
         raise InputError(f"mesh {path} does not exist; allowed: a closed surface as STL, OBJ or PLY file")
     try:
-        with pyvista.vtk_verbosity("off"):  # VTK's own lines about a broken file
+        with _silence():
             return pyvista.read(path)
     except Exception as error:  # PyVista and its readers raise many kinds
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise InputError(f"mesh {path} cannot be read ({reason}); allowed: a closed surface as STL, OBJ or PLY file") from None
+        raise InputError(
+            f"mesh {path} cannot be read ({reason}); allowed: a closed surface as STL, OBJ or PLY file"
+        ) from None
+
+
+@contextlib.contextmanager
+def _silence() -> Iterator[None]:
+    """Keep back what VTK and PyVista say about a broken file: the one line of the error is enough."""
+    import pyvista
+
+    logging.disable()
+    try:
+        with pyvista.vtk_verbosity("off"), warnings.catch_warnings(action="ignore"):
+            yield
+    finally:
+        logging.disable(logging.NOTSET)
 
 
 def _triangles(mesh: object, name: str) -> "pyvista.PolyData":
     import pyvista
 
-    if not isinstance(mesh, pyvista.DataSet):
-        raise InputError(f"mesh {name} is not a surface; allowed: a mesh file, or a PyVista mesh")
-    surface = mesh if isinstance(mesh, pyvista.PolyData) else mesh.extract_surface(algorithm="dataset_surface")
-    if surface.n_points == 0 or not np.isfinite(surface.points).all():
-        raise InputError(f"mesh {name} holds no triangles or points that are not finite; allowed: a closed surface")
-    surface = surface.clean().triangulate()  # merges the corners that STL repeats; drops lines and degenerate faces
+    if not isinstance(mesh, pyvista.PolyData):
+        raise InputError(
+            f"mesh {name} is not a surface; allowed: a closed surface as file or pyvista.PolyData"
+        )
+    if not np.isfinite(mesh.points).all():
+        raise InputError(f"mesh {name} holds points that are not finite; allowed: a closed surface")
+    if mesh.n_points == 0:
+        raise InputError(f"mesh {name} holds no triangles; allowed: a closed surface")
+    # Merges the corners that STL repeats; drops lines and degenerate faces.
+    surface = mesh.clean().triangulate()
     if surface.n_cells == 0:
         raise InputError(f"mesh {name} holds no triangles; allowed: a closed surface")
     surface.clear_data()
@@ -64,10 +89,14 @@ def _triangles(mesh: object, name: str) -> "pyvista.PolyData":
 
 def _outward(surface: "pyvista.PolyData") -> "pyvista.PolyData":
     """Turn the triangles so that normals point outwards; a consistent winding (cavities too) is kept."""
+    import pyvista
+
     faces = surface.regular_faces
     edges = np.concatenate((faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]))
     if len(np.unique(edges, axis=0)) < len(edges):  # two neighbours run along their edge the same way
-        return surface.compute_normals(auto_orient_normals=True, consistent_normals=True, split_vertices=False)
+        return surface.compute_normals(
+            auto_orient_normals=True, consistent_normals=True, split_vertices=False
+        )
     corners = (surface.points - surface.points.mean(axis=0)).astype(np.float64)[faces]
     six_volumes = np.linalg.det(corners).sum()
-    return surface if six_volumes > 0 else surface.flip_faces()
+    return surface if six_volumes > 0 else pyvista.PolyData.from_regular_faces(surface.points, faces[:, ::-1])

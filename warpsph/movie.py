@@ -1,0 +1,63 @@
+"""Films of a sequence of frames."""
+
+import importlib
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from .errors import InputError, RunError
+
+SECONDS = 6.0
+"""How long a film lasts if its frames suffice."""
+
+
+def check(path: Path) -> None:
+    """Refuse early what `write` could not do.
+
+    Raises:
+        InputError: If it is no .mp4 file, its folder is missing, or the packages for films are not installed.
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".mp4":
+        raise InputError(f"movie {str(path)!r} has another format; allowed: a name that ends in .mp4")
+    if not path.parent.is_dir():
+        raise InputError(f"movie {str(path)!r} has no folder to go to: {path.parent} does not exist")
+    try:
+        for package in ("imageio", "imageio_ffmpeg"):
+            importlib.import_module(package)
+    except ImportError as error:
+        raise InputError(
+            f'movie needs the package {error.name}; install it with: pip install "warpsph[movie]"'
+        ) from None
+
+
+def write(path: Path, frames: Iterable[np.ndarray], count: int) -> None:
+    """Write a film in H.264.
+
+    Args:
+        path: An .mp4 file; a film of that name is replaced.
+        frames: Pictures of one size, shape [height, width, 3], uint8.
+        count: How many there are, which sets the speed.
+
+    Raises:
+        RunError: If the file cannot be written.
+    """
+    import imageio.v2
+
+    path = Path(path)
+    speed = min(max(count / SECONDS, 4.0), 30.0)
+    part = path.with_name(f".{path.stem}.part.mp4")
+    try:
+        with imageio.v2.get_writer(
+            part, fps=speed, quality=8, macro_block_size=2, ffmpeg_log_level="error"
+        ) as film:
+            for frame in frames:
+                film.append_data(frame)
+        part.replace(path)
+    except OSError as error:
+        raise RunError(
+            f"{path} could not be written: {error.strerror or str(error).splitlines()[0]}"
+        ) from error
+    finally:
+        part.unlink(missing_ok=True)
