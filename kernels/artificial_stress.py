@@ -34,7 +34,7 @@ def make_artificial_stress(s: Spec) -> wp.Kernel:
             high = wp.max(mean + radius, zero)
             low = wp.max(mean - radius, zero)
             centre = half * (high + low)
-            scale = zero
+            scale = real(0.0)
             if radius > zero:
                 scale = half * (high - low) / radius
             out = mat()

@@ -17,16 +17,8 @@ def make_kinematics(s: Spec, smoothing: Smoothing, corrected: bool, planes: bool
     real, vec, mat = s.real, s.vec, s.mat
     mirror, tensor, gradient = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
+    dim = s.dim
     variant = "_".join(p for p in (smoothing.name, "corrected" * corrected, "planes" * planes) if p)
-
-    @wp.func
-    def outer(a: vec, b: vec):
-        """a ⊗ b in the components that move."""
-        out = mat()
-        for p in range(wp.static(s.dim)):
-            for q in range(wp.static(s.dim)):
-                out[p, q] = a[p] * b[q]
-        return out
 
     @wp.kernel(module=s.module(__name__, variant))
     def velocity_gradient(
@@ -52,9 +44,13 @@ def make_kinematics(s: Spec, smoothing: Smoothing, corrected: bool, planes: bool
         if dt[0] == real(0.0):
             return
         first = start[i]
+        own = i * wp.static(int(corrected))  # K and G are one long where there is no correction
         xi, vi = x[i], v[i]
         r_max2 = support * support * h * h
-        L = mat()
+        # scalars, not a matrix: the compiler keeps them in registers
+        xx, xy, xz = real(0.0), real(0.0), real(0.0)
+        yx, yy, yz = real(0.0), real(0.0), real(0.0)
+        zx, zy, zz = real(0.0), real(0.0), real(0.0)
         for k in range(first, first + n_neigh[i]):
             j = mirror.index(neigh[k])
             sign = mirror.sign(neigh[k])
@@ -63,11 +59,22 @@ def make_kinematics(s: Spec, smoothing: Smoothing, corrected: bool, planes: bool
             if r2 < r_max2:
                 r = wp.sqrt(r2)
                 vji = mirror.vector(v[j], sign) - vi
+                w_ij = real(0.0)
                 if wp.static(corrected):
-                    g = gradient.of_pair(xij, dw_r(r, h), w(r, h), K[i], G[i], h, gradient_ratio)
-                    L += outer(vol[j] * vji, g)
-                else:
-                    L += outer((vol[j] * dw_r(r, h)) * vji, xij)
-        dvdx[i] = L
+                    w_ij = w(r, h)
+                g = gradient.of_pair(xij, dw_r(r, h), w_ij, K[own], G[own], h, gradient_ratio)
+                u = vol[j] * vji
+                xx += u[0] * g[0]
+                if wp.static(dim > 1):
+                    xy += u[0] * g[1]
+                    yx += u[1] * g[0]
+                    yy += u[1] * g[1]
+                if wp.static(dim > 2):
+                    xz += u[0] * g[2]
+                    yz += u[1] * g[2]
+                    zx += u[2] * g[0]
+                    zy += u[2] * g[1]
+                    zz += u[2] * g[2]
+        dvdx[i] = mat(xx, xy, xz, yx, yy, yz, zx, zy, zz)
 
     return velocity_gradient

@@ -49,8 +49,6 @@ def make_ledger(s: Spec) -> wp.Kernel:
         work: wp.array[real],
         clipped: wp.array[wp.int32],
         n: wp.int32,
-        outer_stride: wp.int32,
-        inner_stride: wp.int32,
         chunk: wp.int32,
         # out:
         partial: wp.array2d[d],
@@ -61,7 +59,7 @@ def make_ledger(s: Spec) -> wp.Kernel:
         momentum, spin, push, turn = vec3(), vec3(), vec3(), vec3()
         top = vec6(lowest, lowest, lowest, lowest, lowest, lowest)
         for k in range(chunk):
-            i = b * outer_stride + k * inner_stride
+            i = b * chunk + k
             if i < n:
                 mi, vi = d(m[i]), wide(v[i])
                 kinetic += half * mi * wp.dot(vi, vi)

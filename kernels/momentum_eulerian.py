@@ -43,9 +43,10 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
     viscosity = make_viscosity(s)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     dot, product, of_pair = tensor.dot, tensor.product, gradient.of_pair
-    corrected, switched, stressed = terms.corrected, terms.switched, terms.artificial_stress
-    needs_w = corrected or stressed
-    half, one = real(0.5), real(1.0)
+    switched, stressed = terms.switched, terms.artificial_stress
+    needs_w = terms.corrected or stressed
+    half = real(0.5)
+    dim, on = s.dim, wp.constant(int(terms.corrected))
 
     @wp.kernel(module=s.module(__name__, "_".join(p for p in (smoothing.name, terms.tag) if p)))
     def momentum(
@@ -85,14 +86,14 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         if dt[0] == real(0.0):
             return
         first = start[i]
+        own = i * on  # K and G are one long where there is no correction
         xi, vi, sig_i = x[i], v[i], sig[i]
         m_i, rho_i, cs_i, vol_i = m[i], rho[i], cs[i], vol[i]
         r_max2 = support * support * h * h
-        force, dissipative = vec(), vec()
-        power = real(0.0)
-        mu_max = real(0.0)
+        # scalars, not vectors: the compiler keeps them in registers
+        f_x, f_y, f_z, power, mu_max = real(0.0), real(0.0), real(0.0), real(0.0), real(0.0)
         if wp.static(stressed):
-            w_spacing = one / w(spacing, h)
+            w_spacing = real(1.0) / w(spacing, h)
         for k in range(first, first + n_neigh[i]):
             j = mirror.index(neigh[k])
             sign = mirror.sign(neigh[k])
@@ -104,8 +105,14 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                 w_ij = real(0.0)
                 if wp.static(needs_w):
                     w_ij = w(r, h)
+                g_ij = of_pair(xij, dw, w_ij, K[own], G[own], h, gradient_ratio)
+                other = j * on
+                g_ji = of_pair(
+                    -xij, dw, w_ij, mirror.tensor(K[other], sign), mirror.vector(G[other], sign), h, gradient_ratio
+                )
                 vji = mirror.vector(v[j], sign) - vi
-                sig_j = mirror.tensor(sig[j], sign)
+                inner = product(sig_i, g_ij)
+                stress = vol[j] * (inner - product(mirror.tensor(sig[j], sign), g_ji))
                 mu_ij = viscosity.approach(-dot(vji, xij), r2, h)
                 mu_max = wp.max(mu_max, -mu_ij)
                 pi_ij = viscosity.pressure(
@@ -113,29 +120,20 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                 )
                 if wp.static(switched):
                     pi_ij *= half * (av_switch[i] + av_switch[j])
-                if wp.static(corrected):
-                    g_ij = of_pair(xij, dw, w_ij, K[i], G[i], h, gradient_ratio)
-                    g_ji = of_pair(
-                        -xij, dw, w_ij, mirror.tensor(K[j], sign), mirror.vector(G[j], sign), h, gradient_ratio
-                    )
-                    own = product(sig_i, g_ij)
-                    force += vol[j] * (own - product(sig_j, g_ji))
-                    power += vol[j] * dot(vji, own)
-                    g_mean = half * (g_ji - g_ij)
-                else:
-                    g_ij = dw * xij
-                    force += vol[j] * product(sig_i + sig_j, g_ij)
-                    power += vol[j] * dot(vji, product(sig_i, g_ij))
-                    g_mean = -g_ij
-                pair = (m[j] * pi_ij) * g_mean
+                g_mean = half * (g_ji - g_ij)
+                pair = pi_ij * g_mean
                 if wp.static(stressed):
                     f2 = w_ij * w_spacing * w_ij * w_spacing
-                    R_ij = R[i] + mirror.tensor(R[j], sign)
-                    pair -= (m[j] * f2 * f2) * product(R_ij, g_mean)
-                dissipative += pair
-                power += half * (m_i / vol_i) * dot(vji, pair)
+                    pair -= (f2 * f2) * product(R[i] + mirror.tensor(R[j], sign), g_mean)
+                pair *= m[j] * m_i / vol_i
+                power += vol[j] * dot(vji, inner) + half * dot(vji, pair)
+                f_x += stress[0] + pair[0]
+                if wp.static(dim > 1):
+                    f_y += stress[1] + pair[1]
+                if wp.static(dim > 2):
+                    f_z += stress[2] + pair[2]
         to_specific = vol_i / m_i
-        dvdt[i] = to_specific * force + dissipative
+        dvdt[i] = to_specific * vec(f_x, f_y, f_z)
         dedt[i] = to_specific * power
         mu[i] = mu_max
 

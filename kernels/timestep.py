@@ -26,6 +26,7 @@ class TimestepKernels(NamedTuple):
     """Kernels of this file."""
 
     local: wp.Kernel
+    wear: wp.Kernel
     decide: wp.Kernel
 
 
@@ -66,39 +67,74 @@ def make_timestep(s: Spec) -> TimestepKernels:
         cfl: real,
         viscosity_alpha: real,
         viscosity_beta: real,
+        plane_mask: wp.int32,
         n: wp.int32,
-        outer_stride: wp.int32,
-        inner_stride: wp.int32,
         chunk: wp.int32,
         # out:
         block_dt: wp.array[real],
         block_low: wp.array[vec],
         block_high: wp.array[vec],
     ):
-        """Block minima of dt_a = cfl h/(c_l + 0.6 q(α c + β mu)) [s], and bounds of the displacements [m]."""
+        """Block minima of dt_a = cfl h/(c_l + 0.6 q(α c + β mu)) [s], and the bounding box of the displacements since the rows were built [m]."""
         b = wp.tid() + offset
-        dt_b = huge
+        dt_b = real(1.0e30)
         low, high = vec(huge, huge, huge), vec(-huge, -huge, -huge)
         for k in range(chunk):
-            i = b * outer_stride + k * inner_stride
+            i = b * chunk + k
             if i < n:
                 signal = av_switch[i] * (viscosity_alpha * cs[i] + viscosity_beta * mu[i])
                 check = rho[i] + e[i] + wp.dot(x[i], v[i])
                 dt_b = wp.min(dt_b, limit(h, cfl, cl[i], signal, wp.dot(dvdt[i], dvdt[i]), check))
                 moved = x[i] - x_listed[i]
                 low, high = wp.min(low, moved), wp.max(high, moved)
+        for c in range(3):
+            if (plane_mask >> c) & 1 == 1:  # an image moves the other way
+                widest = wp.max(-low[c], high[c])
+                low[c] = -widest
+                high[c] = widest
         block_dt[b] = dt_b
         block_low[b] = low
         block_high[b] = high
+
+    @wp.func
+    def gap(low_a: vec, high_a: vec, low_b: vec, high_b: vec):
+        """Distance between two boxes [m]; 0 where they overlap."""
+        return wp.length(wp.max(wp.max(low_b - high_a, low_a - high_b), vec()))
+
+    @wp.kernel(module=module)
+    def wear(
+        offset: wp.int32,
+        # in:
+        block_low: wp.array[vec],
+        block_high: wp.array[vec],
+        box_low: wp.array[vec],
+        box_high: wp.array[vec],
+        support: real,
+        radius: real,
+        # out:
+        block_wear: wp.array[real],
+    ):
+        """Share of the neighbour rows' skin that the particles of a block have used up against any other block.
+
+        Two particles that are not in each other's rows were further apart than ``radius`` and than the gap of their
+        blocks' boxes when the rows were built. They have come nearer by at most the extent of both blocks'
+        displacements. While that is less than what separates them from ``support`` (share < 1), the rows hold every pair.
+        """
+        b = wp.tid() + offset
+        low, high = block_low[b], block_high[b]
+        worst = real(0.0)
+        for c in range(block_low.shape[0]):
+            moved = wp.max(high - block_low[c], block_high[c] - low)
+            apart = wp.max(radius, gap(box_low[b], box_high[b], box_low[c], box_high[c])) - support
+            worst = wp.max(worst, wp.dot(moved, moved) / (apart * apart))
+        block_wear[b] = wp.sqrt(worst)
 
     @wp.kernel(module=module)
     def decide(
         offset: wp.int32,
         # in:
         block_dt: wp.array[real],
-        block_low: wp.array[vec],
-        block_high: wp.array[vec],
-        reach: real,
+        block_wear: wp.array[real],
         # out:
         dt: wp.array[real],
         clock: wp.array[wp.float64],
@@ -106,16 +142,12 @@ def make_timestep(s: Spec) -> TimestepKernels:
     ):
         """Set dt [s] and advance the clock.
 
-        clock = [time, t_stop, dt, smallest dt, largest dt, first dt, displacement]; count = [status, steps].
-        Any two particles have moved apart by at most the diagonal of the displacements' bounding box: while that
-        is within ``reach`` (the skin), the neighbour rows hold every pair.
+        clock = [time, t_stop, dt, smallest dt, largest dt, first dt, wear]; count = [status, steps].
         """
-        smallest = huge
-        low, high = vec(huge, huge, huge), vec(-huge, -huge, -huge)
+        smallest, worn = real(1.0e30), real(0.0)
         for k in range(offset, block_dt.shape[0]):
             smallest = wp.min(smallest, block_dt[k])
-            low, high = wp.min(low, block_low[k]), wp.max(high, block_high[k])
-        moved = wp.length(high - low)
+            worn = wp.max(worn, block_wear[k])
         step = wp.float64(smallest)
         left = clock[1] - clock[0]
         status = wp.int32(RUNNING)
@@ -125,10 +157,10 @@ def make_timestep(s: Spec) -> TimestepKernels:
             status = wp.int32(COLLAPSED)
         elif left <= wp.float64(0.0):
             status = wp.int32(DONE)
-        elif moved > reach:
+        elif worn >= real(1.0):
             status = wp.int32(STALE)
         count[0] = status
-        clock[6] = wp.float64(moved)
+        clock[6] = wp.float64(worn)
         dt[0] = zero
         if status == RUNNING:
             if clock[5] == wp.float64(0.0):
@@ -146,4 +178,4 @@ def make_timestep(s: Spec) -> TimestepKernels:
             dt[0] = real(step)
             count[1] = count[1] + 1
 
-    return TimestepKernels(local, decide)
+    return TimestepKernels(local, wear, decide)

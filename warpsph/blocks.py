@@ -1,25 +1,22 @@
 """How particles are dealt out to the blocks of a two-stage reduction."""
 
-CPU_BLOCKS = 64
+CPU_BLOCKS = 256
 """Blocks of a reduction on a CPU: fixed, so that sums do not depend on the number of threads."""
 
-CUDA_BLOCKS = 512
+CUDA_BLOCKS = 2048
 """Blocks of a reduction on a GPU."""
 
 
 class Blocks:
-    """Deal of n particles to blocks: contiguous runs on a CPU, strided (coalesced) on a GPU.
+    """Deal of n particles to blocks of neighbours in memory, and so, as memory is sorted by cell, in space.
 
     Attributes:
         count: Number of blocks.
-        chunk: Particles per block, at most.
-        outer_stride: Distance of the first particles of two blocks.
-        inner_stride: Distance of two particles of a block.
+        chunk: Particles per block; the last may hold fewer, none is empty.
         n: Number of particles.
     """
 
     def __init__(self, n: int, cuda: bool):
         self.n = n
-        self.count = min(CUDA_BLOCKS if cuda else CPU_BLOCKS, n)
-        self.chunk = -(-n // self.count)
-        self.outer_stride, self.inner_stride = (1, self.count) if cuda else (self.chunk, 1)
+        self.chunk = -(-n // min(CUDA_BLOCKS if cuda else CPU_BLOCKS, n))
+        self.count = -(-n // self.chunk)

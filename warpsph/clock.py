@@ -9,19 +9,19 @@ from .blocks import Blocks
 from .kernels.spec import Spec
 from .launch import Launcher
 
-TIME, T_STOP, DT, DT_MIN, DT_MAX, DT_FIRST, MOVED = range(7)
+TIME, T_STOP, DT, DT_MIN, DT_MAX, DT_FIRST, WEAR = range(7)
 """Entries of `Clock.clock`."""
 
 
 @dataclass(frozen=True)
 class Reading:
-    """The clock as the host reads it: times in s, displacement in m, see `kernels.timestep` for the status."""
+    """The clock as the host reads it: times in s, the share of the skin used up, the status of `kernels.timestep`."""
 
     time: float
     dt: float
     dt_min: float
     dt_max: float
-    moved: float
+    wear: float
     status: int
     steps: int
 
@@ -31,11 +31,12 @@ class Clock:
 
     Attributes:
         dt: The step [s], shape [1]; 0 when no step is to be taken.
-        clock: time, t_stop, dt, smallest, largest and first dt [s], displacement [m], float64.
+        clock: time, t_stop, dt, smallest, largest and first dt [s], wear of the skin, float64.
         count: Status and number of steps, int32.
         block_dt: Partial minima of dt [s].
         block_low: Partial lower bounds of the displacement [m].
         block_high: Partial upper bounds of the displacement [m].
+        block_wear: Partial maxima of the skin's wear.
     """
 
     def __init__(self, spec: Spec, launcher: Launcher, blocks: Blocks):
@@ -46,12 +47,13 @@ class Clock:
             self.block_dt = wp.zeros(blocks.count, dtype=spec.real)
             self.block_low = wp.zeros(blocks.count, dtype=spec.vec)
             self.block_high = wp.zeros(blocks.count, dtype=spec.vec)
+            self.block_wear = wp.zeros(blocks.count, dtype=spec.real)
 
     def read(self) -> Reading:
         """Read the clock: the one synchronisation of a batch of steps."""
         c, n = self.clock.numpy(), self.count.numpy()
         return Reading(
-            float(c[TIME]), float(c[DT]), float(c[DT_MIN]), float(c[DT_MAX]), float(c[MOVED]), int(n[0]), int(n[1])
+            float(c[TIME]), float(c[DT]), float(c[DT_MIN]), float(c[DT_MAX]), float(c[WEAR]), int(n[0]), int(n[1])
         )
 
     def stop_at(self, time: float) -> None:

@@ -13,7 +13,7 @@ GROWTH = 1.2
 CELLS = {1: (4096, 1, 1), 2: (256, 256, 1), 3: (64, 64, 64)}
 """Cells of the hash grid; the grid wraps around, so a larger domain only costs a few more distance checks."""
 
-SORT_EVERY = 20
+SORT_EVERY = 5
 """Particles are re-sorted in memory at every so many rebuilds."""
 
 MAX_PARTICLES = 1 << 28
@@ -28,18 +28,24 @@ class Neighbours:
         n_neigh: Entries in use in each row, shape [n], int32.
         neigh: Entries (particle index and mirror bits), shape [capacity], int32; grows, never truncates.
         x_listed: Positions at the last build [m], shape [n, 3].
+        box_low: Lower corners of the blocks' boxes at the last build [m].
+        box_high: Upper corners of the blocks' boxes at the last build [m].
+        support: Reach of the smoothing kernel [m].
+        radius: Reach of the rows [m].
         plane: Positions of the symmetry planes normal to x, y, z [m].
+        plane_mask: Bits 1, 2, 4: there is a plane normal to x, y, z.
         builds: Number of builds so far.
         generation: Changes when ``neigh`` was reallocated: launches must be bound again.
     """
 
-    def __init__(self, particles: Particles, launcher: Launcher, planes, support: float, skin: float):
+    def __init__(self, particles: Particles, launcher: Launcher, planes, blocks, support: float, skin: float):
         """Allocate for particles that interact within ``support`` [m]; ``skin`` [m] is added."""
         spec, n = particles.spec, particles.n
         self._particles, self._launcher = particles, launcher
-        self.support, self.radius, self.reach = support, support + skin, skin
+        self._blocks = blocks
+        self.support, self.radius = support, support + skin
         self.plane = spec.vec(*(dict(planes).get(axis, 0.0) for axis in range(3)))
-        self._mask = sum(1 << axis for axis, _ in planes)
+        self.plane_mask = sum(1 << axis for axis, _ in planes)
         self._kernels = make_neighbours(spec, bool(planes))
         with wp.ScopedDevice(launcher.device):
             self._grid = wp.HashGrid(*CELLS[spec.dim], dtype=spec.real)
@@ -50,6 +56,8 @@ class Neighbours:
             self.start = wp.zeros(n + 1, dtype=wp.int32)
             self.neigh = wp.empty(1, dtype=wp.int32)
             self.x_listed = wp.zeros(n, dtype=spec.vec)
+            self.box_low = wp.zeros(blocks.count, dtype=spec.vec)
+            self.box_high = wp.zeros(blocks.count, dtype=spec.vec)
         self.builds, self.generation = 0, 0
 
     def build(self) -> None:
@@ -68,13 +76,16 @@ class Neighbours:
             self._enlarge()
             self._fill(self.radius)
         wp.copy(self.x_listed, p.x)
+        self._launcher.launch(
+            self._kernels.boxes, self._blocks.count, self, p, self._blocks
+        )
         self.builds += 1
 
     def _fill(self, radius: float) -> None:
         self._overflow.zero_()
         self._launcher.launch(
             self._kernels.fill, self._particles.n, self, self._particles,
-            grid=self._grid, plane_mask=self._mask, radius=radius, overflow=self._overflow,
+            grid=self._grid, radius=radius, overflow=self._overflow,
         )  # fmt: skip
 
     def _enlarge(self) -> None:

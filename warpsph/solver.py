@@ -60,7 +60,7 @@ class Solver:
         self._blocks = Blocks(self.particles.n, self.launcher.device.is_cuda)
         self._clock = Clock(self._spec, self.launcher, self._blocks)
         self.neighbours = Neighbours(
-            self.particles, self.launcher, data.planes, self._scheme.support * h, numerics.skin * h
+            self.particles, self.launcher, data.planes, self._blocks, self._scheme.support * h, numerics.skin * h
         )
         self._constants = SimpleNamespace(
             h=h, spacing=data.spacing, cfl=numerics.cfl, gradient_ratio=settings.gradient_ratio,
@@ -143,10 +143,10 @@ class Solver:
 
     def _predict(self, before: Reading, now: Reading) -> int:
         """Steps until the skin is used up, judged by the last batch: a wrong guess costs idle steps, nothing else."""
-        steps, moved = now.steps - before.steps, now.moved - before.moved
-        if now.status == STALE or steps < 1 or moved <= 0.0:
+        steps, worn = now.steps - before.steps, now.wear - before.wear
+        if now.status == STALE or steps < 1 or worn <= 0.0:
             return 1
-        left = (self.neighbours.reach - now.moved) * steps / moved
+        left = (1.0 - now.wear) * steps / worn
         return int(min(max(left, 1.0), MAX_BATCH))
 
     def ledger(self) -> dict[str, float]:

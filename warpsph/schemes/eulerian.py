@@ -61,6 +61,7 @@ class Eulerian:
         """One step from (x, v, e, ρ, τ) at t to t + dt; `bind(kernel, n)` binds a launch to the solver's arrays."""
         sequence = [
             (self._timestep.local, n_blocks),  # dt_a from the state at t
+            (self._timestep.wear, n_blocks),  # whether the neighbour rows still hold every pair
             (self._timestep.decide, 1),  # dt, and whether to step at all
             (self._correction, None),  # S, G, K at x
             (self._momentum, None),  # A and B from σ at x
