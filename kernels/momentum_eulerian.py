@@ -78,7 +78,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         dedt: wp.array[real],
         mu: wp.array[real],
     ):
-        """dvdt = Σ f_ab / m_a [m/s²] and dedt = Σ (w_ab - f_ab·v_a) / m_a [W/kg] (sections 3 and 11; paper A eq 1).
+        """Dvdt = Σ f_ab / m_a [m/s²] and dedt = Σ (w_ab - f_ab·v_a) / m_a [W/kg] (sections 3 and 11; paper A eq 1).
 
         f_ab = V_a V_b (σ_a g_ab - σ_b g_ba) + m_a m_b/2 (Π_ab - f^4 R_ab)(g_ba - g_ab); mu = largest |mu_ab| [m/s].
         """
@@ -108,7 +108,13 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                 g_ij = of_pair(xij, dw, w_ij, K[own], G[own], h, gradient_ratio)
                 other = j * on
                 g_ji = of_pair(
-                    -xij, dw, w_ij, mirror.tensor(K[other], sign), mirror.vector(G[other], sign), h, gradient_ratio
+                    -xij,
+                    dw,
+                    w_ij,
+                    mirror.tensor(K[other], sign),
+                    mirror.vector(G[other], sign),
+                    h,
+                    gradient_ratio,
                 )
                 vji = mirror.vector(v[j], sign) - vi
                 inner = product(sig_i, g_ij)

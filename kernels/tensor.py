@@ -76,7 +76,9 @@ def make_tensor(s: Spec) -> Tensor:
         az = quarter * (L[1, 0] - L[0, 1])
         zero = real(0.0)
         A = mat(zero, -az, ay, az, zero, -ax, -ay, ax, zero)
-        Q = wp.identity(n=3, dtype=real) + (real(2.0) / (real(1.0) + ax * ax + ay * ay + az * az)) * (A + A * A)
+        Q = wp.identity(n=3, dtype=real) + (real(2.0) / (real(1.0) + ax * ax + ay * ay + az * az)) * (
+            A + A * A
+        )
         return Q * T * wp.transpose(Q)
 
     @wp.func

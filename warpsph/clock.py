@@ -53,7 +53,13 @@ class Clock:
         """Read the clock: the one synchronisation of a batch of steps."""
         c, n = self.clock.numpy(), self.count.numpy()
         return Reading(
-            float(c[TIME]), float(c[DT]), float(c[DT_MIN]), float(c[DT_MAX]), float(c[WEAR]), int(n[0]), int(n[1])
+            float(c[TIME]),
+            float(c[DT]),
+            float(c[DT_MIN]),
+            float(c[DT_MAX]),
+            float(c[WEAR]),
+            int(n[0]),
+            int(n[1]),
         )
 
     def stop_at(self, time: float) -> None:

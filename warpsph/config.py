@@ -43,4 +43,6 @@ class Numerics:
         ranges = {"smoothing_ratio": (0.8, 3.0), "cfl": (0.0, 1.0), "skin": (0.0, 2.0)}
         for name, (low, high) in ranges.items():
             if not low <= getattr(self, name) <= high or (name == "cfl" and self.cfl == 0.0):
-                raise InputError(f"{name} = {getattr(self, name)!r} is out of range; allowed: {low} to {high}")
+                raise InputError(
+                    f"{name} = {getattr(self, name)!r} is out of range; allowed: {low} to {high}"
+                )

@@ -47,7 +47,14 @@ FIELDS: tuple[Field, ...] = (
     Field("cs", "real", "m/s", "sound_speed", "bulk sound speed of the equation of state", False),
     Field("cl", "real", "m/s", "longitudinal_speed", "longitudinal wave speed sqrt(c^2 + 4G/(3 rho))", False),
     Field("tau", "mat", "Pa", "deviatoric_stress", "deviator of the Cauchy stress"),
-    Field("sig", "mat", "Pa", "stress", "Cauchy stress, tension positive (times the thickness in plane stress)", False),
+    Field(
+        "sig",
+        "mat",
+        "Pa",
+        "stress",
+        "Cauchy stress, tension positive (times the thickness in plane stress)",
+        False,
+    ),
     Field("ep", "real", "1", "plastic_strain", "equivalent plastic strain"),
     Field("thickness", "real", "1", "thickness", "thickness over its initial value (plane stress)", False),
     Field("p_high", "real", "Pa", "peak_pressure", "highest pressure so far"),
@@ -55,7 +62,9 @@ FIELDS: tuple[Field, ...] = (
     Field("clipped", "int", "1", "eos_clipped", "steps in which the equation of state left its range", False),
     Field("dvdx", "mat", "1/s", "velocity_gradient", "velocity gradient, [i, j] = dv_i/dx_j", False),
     Field("mu", "real", "m/s", "approach_speed", "largest |mu_ab| of the artificial viscosity", False),
-    Field("impulse", "vec", "N s", "constraint_impulse", "impulse given by constraints and planes so far", False),
+    Field(
+        "impulse", "vec", "N s", "constraint_impulse", "impulse given by constraints and planes so far", False
+    ),
     Field("work", "real", "J", "constraint_work", "work done by constraints so far", False),
     Field("twist", "vec", "N m s", "constraint_twist", "angular impulse given by constraints so far", False),
     Field("av_switch", "real", "1", "viscosity_switch", "factor on the artificial viscosity", False),

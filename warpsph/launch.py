@@ -68,7 +68,9 @@ class Launcher:
         self.device = find_device(device)
         cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
         if threads is not None and threads < 1:
-            raise InputError(f"threads = {threads} is out of range; allowed: 1 or more (this machine has {cores})")
+            raise InputError(
+                f"threads = {threads} is out of range; allowed: 1 or more (this machine has {cores})"
+            )
         self.threads = 1 if self.device.is_cuda else (threads or cores)
         self._pool = ThreadPoolExecutor(self.threads - 1) if self.threads > 1 else None
 
@@ -139,7 +141,9 @@ def _checked(kernel: wp.Kernel, var, name: str, value: object) -> object:
     if isinstance(value, wp.array):
         expected, found = var.type.dtype, value.dtype
         if not wp.types.types_equal(expected, found):
-            raise TypeError(f"{kernel.key}: array {name!r} has type {found.__name__}, not {expected.__name__}")
+            raise TypeError(
+                f"{kernel.key}: array {name!r} has type {found.__name__}, not {expected.__name__}"
+            )
     return value
 
 

@@ -76,9 +76,7 @@ class Neighbours:
             self._enlarge()
             self._fill(self.radius)
         wp.copy(self.x_listed, p.x)
-        self._launcher.launch(
-            self._kernels.boxes, self._blocks.count, self, p, self._blocks
-        )
+        self._launcher.launch(self._kernels.boxes, self._blocks.count, self, p, self._blocks)
         self.builds += 1
 
     def _fill(self, radius: float) -> None:

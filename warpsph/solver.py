@@ -60,7 +60,12 @@ class Solver:
         self._blocks = Blocks(self.particles.n, self.launcher.device.is_cuda)
         self._clock = Clock(self._spec, self.launcher, self._blocks)
         self.neighbours = Neighbours(
-            self.particles, self.launcher, data.planes, self._blocks, self._scheme.support * h, numerics.skin * h
+            self.particles,
+            self.launcher,
+            data.planes,
+            self._blocks,
+            self._scheme.support * h,
+            numerics.skin * h,
         )
         self._constants = SimpleNamespace(
             h=h, spacing=data.spacing, cfl=numerics.cfl, gradient_ratio=settings.gradient_ratio,
@@ -110,8 +115,20 @@ class Solver:
         """Rebuild the neighbour rows now, so that a run goes on from here exactly as a restart from here does."""
         self.neighbours.build()
 
-    def advance(self, t_stop: float, on_batch: Callable[[Reading], None] | None = None) -> None:
-        """Step until ``t_stop`` [s], which the last step hits exactly; ``on_batch`` sees the clock in between.
+    def prepare(self) -> None:
+        """Compile and load every kernel of a step, without taking one."""
+        self.advance(self.reading.time)
+
+    def mean_neighbours(self) -> float:
+        """Mean number of neighbours within the kernel's support, the particle itself left out."""
+        mean = self.neighbours.mean_count()
+        self.neighbours.build()
+        return mean
+
+    def advance(self, t_stop: float, on_batch: Callable[[Reading], bool] | None = None) -> None:
+        """Step until ``t_stop`` [s], which the last step hits exactly.
+
+        ``on_batch`` sees the clock after every batch of steps; True stops there.
 
         Raises:
             RunError: A particle's state is not finite, or the time step collapsed; names the particle.
@@ -126,9 +143,7 @@ class Solver:
                 raise RunError(self._trouble(now))
             if now.status == STALE:
                 self.neighbours.build()
-            if on_batch is not None:
-                on_batch(now)
-            if now.status == DONE:
+            if now.status == DONE or (on_batch is not None and on_batch(now)):
                 return
             batch = self._predict(before, now)
             before = now
@@ -193,14 +208,23 @@ class Solver:
         bad = [~np.isfinite(p[name]).reshape(len(order), -1).all(1) for name in ("x", "v", "rho", "e", "cl")]
         if now.status == NON_FINITE and np.any(bad):
             i = int(np.flatnonzero(np.any(bad, axis=0))[0])
-            which = [name for name, mask in zip(("position", "velocity", "density", "energy", "sound speed"), bad, strict=True) if mask[i]]
+            which = [
+                name
+                for name, mask in zip(
+                    ("position", "velocity", "density", "energy", "sound speed"), bad, strict=True
+                )
+                if mask[i]
+            ]
             cause = f"{', '.join(which)} not finite"
         else:
             speed = p["cl"] + 0.6 * p["av_switch"] * (
                 self._constants.viscosity_alpha * p["cs"] + self._constants.viscosity_beta * p["mu"]
             )
             accel = np.linalg.norm(p["dvdt"], axis=1)
-            limit = np.minimum(self._constants.cfl * self.data.h / speed, 0.25 * np.sqrt(self.data.h / np.maximum(accel, 1e-300)))
+            limit = np.minimum(
+                self._constants.cfl * self.data.h / speed,
+                0.25 * np.sqrt(self.data.h / np.maximum(accel, 1e-300)),
+            )
             i = int(np.argmin(limit))
             cause = f"time step collapsed to {limit[i]:.3g} s (wave speed {p['cl'][i]:.3g} m/s, acceleration {accel[i]:.3g} m/s^2)"
         body = self.data.bodies[p["body"][i]]

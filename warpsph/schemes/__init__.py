@@ -26,13 +26,20 @@ class EulerianSettings:
 
 def _variants() -> dict[str, EulerianSettings]:
     """Every viscosity, each plain, with artificial stress, with mixed correction, and with both."""
-    viscosities = {"sav1": ("monaghan", 1.0, 2.0), "sav2": ("monaghan", 2.5, 2.5), "bal": ("balsara", 1.0, 2.0), "mon": ("morris", 0.1, 0.2)}
+    viscosities = {
+        "sav1": ("monaghan", 1.0, 2.0),
+        "sav2": ("monaghan", 2.5, 2.5),
+        "bal": ("balsara", 1.0, 2.0),
+        "mon": ("morris", 0.1, 0.2),
+    }
     table = {}
     for name, viscosity in viscosities.items():
         table[name] = EulerianSettings(*viscosity)
         table[f"{name}-as"] = EulerianSettings(*viscosity, artificial_stress=True)
         table[f"{name}-mixed"] = EulerianSettings(*viscosity, correction=True)
-        table[f"{name}-mixed-as"] = EulerianSettings(*viscosity, correction=True, gradient_ratio=90.0, artificial_stress=True)
+        table[f"{name}-mixed-as"] = EulerianSettings(
+            *viscosity, correction=True, gradient_ratio=90.0, artificial_stress=True
+        )
     return table
 
 
