@@ -16,7 +16,7 @@ def make_kinematics(s: Spec, smoothing: Smoothing, corrected: bool, planes: bool
     """Build the velocity-gradient loop."""
     real, vec, mat = s.real, s.vec, s.mat
     mirror, tensor, gradient = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
-    w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
+    w = smoothing.w
     dim = s.dim
     variant = "_".join(p for p in (smoothing.name, "corrected" * corrected, "planes" * planes) if p)
 
@@ -34,8 +34,9 @@ def make_kinematics(s: Spec, smoothing: Smoothing, corrected: bool, planes: bool
         plane: vec,
         dt: wp.array[real],
         start: wp.array[wp.int32],
-        n_neigh: wp.array[wp.int32],
-        neigh: wp.array[wp.int32],
+        n_near: wp.array[wp.int32],
+        near: wp.array[wp.int32],
+        slope: wp.array[real],
         # out:
         dvdx: wp.array[mat],
     ):
@@ -46,35 +47,31 @@ def make_kinematics(s: Spec, smoothing: Smoothing, corrected: bool, planes: bool
         first = start[i]
         own = i * wp.static(int(corrected))  # K and G are one long where there is no correction
         xi, vi = x[i], v[i]
-        r_max2 = support * support * h * h
         # scalars, not a matrix: the compiler keeps them in registers
         xx, xy, xz = real(0.0), real(0.0), real(0.0)
         yx, yy, yz = real(0.0), real(0.0), real(0.0)
         zx, zy, zz = real(0.0), real(0.0), real(0.0)
-        for k in range(first, first + n_neigh[i]):
-            j = mirror.index(neigh[k])
-            sign = mirror.sign(neigh[k])
+        for k in range(first, first + n_near[i]):
+            j = mirror.index(near[k])
+            sign = mirror.sign(near[k])
             xij = xi - mirror.point(x[j], sign, plane)
-            r2 = tensor.dot(xij, xij)
-            if r2 < r_max2:
-                r = wp.sqrt(r2)
-                vji = mirror.vector(v[j], sign) - vi
-                w_ij = real(0.0)
-                if wp.static(corrected):
-                    w_ij = w(r, h)
-                g = gradient.of_pair(xij, dw_r(r, h), w_ij, K[own], G[own], h, gradient_ratio)
-                u = vol[j] * vji
-                xx += u[0] * g[0]
-                if wp.static(dim > 1):
-                    xy += u[0] * g[1]
-                    yx += u[1] * g[0]
-                    yy += u[1] * g[1]
-                if wp.static(dim > 2):
-                    xz += u[0] * g[2]
-                    yz += u[1] * g[2]
-                    zx += u[2] * g[0]
-                    zy += u[2] * g[1]
-                    zz += u[2] * g[2]
+            vji = mirror.vector(v[j], sign) - vi
+            w_ij = real(0.0)
+            if wp.static(corrected):
+                w_ij = w(wp.sqrt(tensor.dot(xij, xij)), h)
+            g = gradient.of_pair(xij, slope[k], w_ij, K[own], G[own], h, gradient_ratio)
+            u = vol[j] * vji
+            xx += u[0] * g[0]
+            if wp.static(dim > 1):
+                xy += u[0] * g[1]
+                yx += u[1] * g[0]
+                yy += u[1] * g[1]
+            if wp.static(dim > 2):
+                xz += u[0] * g[2]
+                yz += u[1] * g[2]
+                zx += u[2] * g[0]
+                zy += u[2] * g[1]
+                zz += u[2] * g[2]
         dvdx[i] = mat(xx, xy, xz, yx, yy, yz, zx, zy, zz)
 
     return velocity_gradient

@@ -77,10 +77,14 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         dvdt: wp.array[vec],
         dedt: wp.array[real],
         mu: wp.array[real],
+        near: wp.array[wp.int32],
+        slope: wp.array[real],
+        n_near: wp.array[wp.int32],
     ):
         """Dvdt = Σ f_ab / m_a [m/s²] and dedt = Σ (w_ab - f_ab·v_a) / m_a [W/kg] (sections 3 and 11; paper A eq 1).
 
         f_ab = V_a V_b (σ_a g_ab - σ_b g_ba) + m_a m_b/2 (Π_ab - f^4 R_ab)(g_ba - g_ab); mu = largest |mu_ab| [m/s].
+        The pairs within the support, and their (dW/dr)/r, are left behind for the velocity gradient.
         """
         i = wp.tid() + offset
         if dt[0] == real(0.0):
@@ -94,6 +98,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         f_x, f_y, f_z, power, mu_max = real(0.0), real(0.0), real(0.0), real(0.0), real(0.0)
         if wp.static(stressed):
             w_spacing = real(1.0) / w(spacing, h)
+        found = wp.int32(0)
         for k in range(first, first + n_neigh[i]):
             j = mirror.index(neigh[k])
             sign = mirror.sign(neigh[k])
@@ -102,6 +107,9 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
             if r2 < r_max2:
                 r = wp.sqrt(r2)
                 dw = dw_r(r, h)
+                near[first + found] = neigh[k]
+                slope[first + found] = dw
+                found += 1
                 w_ij = real(0.0)
                 if wp.static(needs_w):
                     w_ij = w(r, h)
@@ -142,5 +150,6 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         dvdt[i] = to_specific * vec(f_x, f_y, f_z)
         dedt[i] = to_specific * power
         mu[i] = mu_max
+        n_near[i] = found
 
     return momentum

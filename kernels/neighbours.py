@@ -19,7 +19,6 @@ class NeighbourKernels(NamedTuple):
     fill: wp.Kernel
     reserve: wp.Kernel
     cell_order: wp.Kernel
-    boxes: wp.Kernel
 
 
 @functools.cache
@@ -92,34 +91,4 @@ def make_neighbours(s: Spec, planes: bool) -> NeighbourKernels:
         k = wp.tid() + offset
         order[k] = wp.hash_grid_point_id(grid, k)
 
-    @wp.kernel(module=module)
-    def boxes(
-        offset: wp.int32,
-        # in:
-        x: wp.array[vec],
-        plane: vec,
-        plane_mask: wp.int32,
-        n: wp.int32,
-        chunk: wp.int32,
-        # out:
-        box_low: wp.array[vec],
-        box_high: wp.array[vec],
-    ):
-        """Bounding box of the particles of a block [m], up to a symmetry plane where there is one.
-
-        An image in a plane is as far from the particles of another block as that block's box, so stretched, allows.
-        """
-        b = wp.tid() + offset
-        low, high = vec(x[b * chunk]), vec(x[b * chunk])
-        for k in range(chunk):
-            i = b * chunk + k
-            if i < n:
-                low, high = wp.min(low, x[i]), wp.max(high, x[i])
-        for c in range(3):
-            if (plane_mask >> c) & 1 == 1:
-                low[c] = wp.min(low[c], plane[c])
-                high[c] = wp.max(high[c], plane[c])
-        box_low[b] = low
-        box_high[b] = high
-
-    return NeighbourKernels(fill, reserve, cell_order, boxes)
+    return NeighbourKernels(fill, reserve, cell_order)

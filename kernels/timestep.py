@@ -26,7 +26,6 @@ class TimestepKernels(NamedTuple):
     """Kernels of this file."""
 
     local: wp.Kernel
-    wear: wp.Kernel
     decide: wp.Kernel
 
 
@@ -34,7 +33,7 @@ class TimestepKernels(NamedTuple):
 def make_timestep(s: Spec) -> TimestepKernels:
     """Build the kernels for one precision."""
     real, vec = s.real, s.vec
-    zero, huge = real(0.0), real(1.0e30)
+    zero = real(0.0)
     share, acceleration = real(VISCOUS_SHARE), real(ACCELERATION_CFL)
     floor = wp.float64(FLOOR)
     module = s.module(__name__)
@@ -55,7 +54,6 @@ def make_timestep(s: Spec) -> TimestepKernels:
         # in:
         x: wp.array[vec],
         v: wp.array[vec],
-        x_listed: wp.array[vec],
         dvdt: wp.array[vec],
         rho: wp.array[real],
         e: wp.array[real],
@@ -67,74 +65,29 @@ def make_timestep(s: Spec) -> TimestepKernels:
         cfl: real,
         viscosity_alpha: real,
         viscosity_beta: real,
-        plane_mask: wp.int32,
         n: wp.int32,
         chunk: wp.int32,
         # out:
         block_dt: wp.array[real],
-        block_low: wp.array[vec],
-        block_high: wp.array[vec],
     ):
-        """Block minima of dt_a = cfl h/(c_l + 0.6 q(α c + β mu)) [s], and the bounding box of the displacements since the rows were built [m]."""
+        """Block minima of dt_a = cfl h/(c_l + 0.6 q(α c + β mu)) [s]."""
         b = wp.tid() + offset
         dt_b = real(1.0e30)
-        low, high = vec(huge, huge, huge), vec(-huge, -huge, -huge)
         for k in range(chunk):
             i = b * chunk + k
             if i < n:
                 signal = av_switch[i] * (viscosity_alpha * cs[i] + viscosity_beta * mu[i])
                 check = rho[i] + e[i] + wp.dot(x[i], v[i])
                 dt_b = wp.min(dt_b, limit(h, cfl, cl[i], signal, wp.dot(dvdt[i], dvdt[i]), check))
-                moved = x[i] - x_listed[i]
-                low, high = wp.min(low, moved), wp.max(high, moved)
-        for c in range(3):
-            if (plane_mask >> c) & 1 == 1:  # an image moves the other way
-                widest = wp.max(-low[c], high[c])
-                low[c] = -widest
-                high[c] = widest
         block_dt[b] = dt_b
-        block_low[b] = low
-        block_high[b] = high
-
-    @wp.func
-    def gap(low_a: vec, high_a: vec, low_b: vec, high_b: vec):
-        """Distance between two boxes [m]; 0 where they overlap."""
-        return wp.length(wp.max(wp.max(low_b - high_a, low_a - high_b), vec()))
-
-    @wp.kernel(module=module)
-    def wear(
-        offset: wp.int32,
-        # in:
-        block_low: wp.array[vec],
-        block_high: wp.array[vec],
-        box_low: wp.array[vec],
-        box_high: wp.array[vec],
-        support: real,
-        radius: real,
-        # out:
-        block_wear: wp.array[real],
-    ):
-        """Share of the neighbour rows' skin that the particles of a block have used up against any other block.
-
-        Two particles that are not in each other's rows were further apart than ``radius`` and than the gap of their
-        blocks' boxes when the rows were built. They have come nearer by at most the extent of both blocks'
-        displacements. While that is less than what separates them from ``support`` (share < 1), the rows hold every pair.
-        """
-        b = wp.tid() + offset
-        low, high = block_low[b], block_high[b]
-        worst = real(0.0)
-        for c in range(block_low.shape[0]):
-            moved = wp.max(high - block_low[c], block_high[c] - low)
-            apart = wp.max(radius, gap(box_low[b], box_high[b], box_low[c], box_high[c])) - support
-            worst = wp.max(worst, wp.dot(moved, moved) / (apart * apart))
-        block_wear[b] = wp.sqrt(worst)
 
     @wp.kernel(module=module)
     def decide(
         offset: wp.int32,
         # in:
         block_dt: wp.array[real],
-        block_wear: wp.array[real],
+        tile_wear: wp.array[real],
+        n_tiles: wp.array[wp.int32],
         # out:
         dt: wp.array[real],
         clock: wp.array[wp.float64],
@@ -147,7 +100,8 @@ def make_timestep(s: Spec) -> TimestepKernels:
         smallest, worn = real(1.0e30), real(0.0)
         for k in range(offset, block_dt.shape[0]):
             smallest = wp.min(smallest, block_dt[k])
-            worn = wp.max(worn, block_wear[k])
+        for t in range(n_tiles[0]):
+            worn = wp.max(worn, tile_wear[t])
         step = wp.float64(smallest)
         left = clock[1] - clock[0]
         status = wp.int32(RUNNING)
@@ -178,4 +132,4 @@ def make_timestep(s: Spec) -> TimestepKernels:
             dt[0] = real(step)
             count[1] = count[1] + 1
 
-    return TimestepKernels(local, wear, decide)
+    return TimestepKernels(local, decide)

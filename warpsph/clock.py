@@ -34,9 +34,6 @@ class Clock:
         clock: time, t_stop, dt, smallest, largest and first dt [s], wear of the skin, float64.
         count: Status and number of steps, int32.
         block_dt: Partial minima of dt [s].
-        block_low: Partial lower bounds of the displacement [m].
-        block_high: Partial upper bounds of the displacement [m].
-        block_wear: Partial maxima of the skin's wear.
     """
 
     def __init__(self, spec: Spec, launcher: Launcher, blocks: Blocks):
@@ -45,9 +42,6 @@ class Clock:
             self.clock = wp.array([0.0, 0.0, 0.0, np.inf, 0.0, 0.0, 0.0], dtype=wp.float64)
             self.count = wp.zeros(2, dtype=wp.int32)
             self.block_dt = wp.zeros(blocks.count, dtype=spec.real)
-            self.block_low = wp.zeros(blocks.count, dtype=spec.vec)
-            self.block_high = wp.zeros(blocks.count, dtype=spec.vec)
-            self.block_wear = wp.zeros(blocks.count, dtype=spec.real)
 
     def read(self) -> Reading:
         """Read the clock: the one synchronisation of a batch of steps."""

@@ -13,7 +13,10 @@ SLICES_PER_THREAD = 4
 """A CPU launch is cut into this many slices per thread, taken as they come: uneven rows balance out."""
 
 SMALLEST_SLICE = 512
-"""Threads of work below which a launch is not cut further."""
+"""Particles below which a launch is not cut further."""
+
+SMALLEST_BLOCK_SLICE = 16
+"""The same for launches whose threads each go through a block of particles."""
 
 
 @functools.cache
@@ -35,10 +38,10 @@ def _real(kernel: wp.Kernel) -> type | None:
 class Command:
     """A launch with its arguments bound: call it as often as you like."""
 
-    def __init__(self, launcher: "Launcher", kernel: wp.Kernel, dim: int, args: list):
+    def __init__(self, launcher: "Launcher", kernel: wp.Kernel, dim: int, args: list, grain: int):
         self._launcher = launcher
         self._slices = []
-        for first, size in launcher.slices(dim):
+        for first, size in launcher.slices(dim, grain):
             self._slices.append(
                 wp.launch(kernel, size, [first, *args], device=launcher.device, record_cmd=True)
             )
@@ -74,9 +77,9 @@ class Launcher:
         self.threads = 1 if self.device.is_cuda else (threads or cores)
         self._pool = ThreadPoolExecutor(self.threads - 1) if self.threads > 1 else None
 
-    def slices(self, dim: int) -> list[tuple[int, int]]:
+    def slices(self, dim: int, grain: int) -> list[tuple[int, int]]:
         """Cut a launch of ``dim`` threads into (first, size) pieces."""
-        count = 1 if self._pool is None else min(self.threads * SLICES_PER_THREAD, dim // SMALLEST_SLICE)
+        count = 1 if self._pool is None else min(self.threads * SLICES_PER_THREAD, dim // grain)
         edges = [dim * k // max(count, 1) for k in range(max(count, 1) + 1)]
         return [(a, b - a) for a, b in zip(edges[:-1], edges[1:], strict=True) if b > a]
 
@@ -98,7 +101,7 @@ class Launcher:
         for helper in helpers:
             helper.result()
 
-    def bind(self, kernel: wp.Kernel, dim: int, *sources: object, **named: object) -> Command:
+    def bind(self, kernel: wp.Kernel, dim: int, *sources: object, grain: int = SMALLEST_SLICE, **named: object) -> Command:
         """Bind a launch, taking each argument by its name.
 
         A kernel has many arrays of one type in a row, and Warp cannot tell ``rho`` from ``m``. It checks
@@ -108,6 +111,7 @@ class Launcher:
             kernel: Kernel to launch; its first parameter is ``offset``.
             dim: Number of threads.
             sources: Objects whose attributes supply arguments; the first that has the name wins.
+            grain: Threads below which the launch is not cut further.
             named: Arguments given here, before any source.
 
         Raises:
@@ -123,7 +127,7 @@ class Launcher:
                     raise TypeError(f"{kernel.key}: no value for argument {name!r}")
                 value = getattr(owner, name)
             args.append(_checked(kernel, var, name, value))
-        return Command(self, kernel, dim, args)
+        return Command(self, kernel, dim, args, grain)
 
     def launch(self, kernel: wp.Kernel, dim: int, *sources: object, **named: object) -> None:
         """Bind and run once."""

@@ -6,6 +6,7 @@ import warp as wp
 from .kernels.neighbours import make_neighbours
 from .launch import Launcher
 from .particles import Particles
+from .tiles import Tiles
 
 GROWTH = 1.2
 """Rows that no longer fit get this much more than they need."""
@@ -27,9 +28,11 @@ class Neighbours:
         start: Row offsets, shape [n + 1], int32.
         n_neigh: Entries in use in each row, shape [n], int32.
         neigh: Entries (particle index and mirror bits), shape [capacity], int32; grows, never truncates.
+        near: The entries within the support, as the force loop of a step leaves them, row by row like ``neigh``.
+        slope: (dW/dr)/r of those [1/m^(dim+2)].
+        n_near: Their number in each row, shape [n], int32.
         x_listed: Positions at the last build [m], shape [n, 3].
-        box_low: Lower corners of the blocks' boxes at the last build [m].
-        box_high: Upper corners of the blocks' boxes at the last build [m].
+        tiles: Tells when the rows are worn out.
         support: Reach of the smoothing kernel [m].
         radius: Reach of the rows [m].
         plane: Positions of the symmetry planes normal to x, y, z [m].
@@ -38,11 +41,11 @@ class Neighbours:
         generation: Changes when ``neigh`` was reallocated: launches must be bound again.
     """
 
-    def __init__(self, particles: Particles, launcher: Launcher, planes, blocks, support: float, skin: float):
+    def __init__(self, particles: Particles, launcher: Launcher, planes, *, spacing: float, support: float, skin: float):
         """Allocate for particles that interact within ``support`` [m]; ``skin`` [m] is added."""
         spec, n = particles.spec, particles.n
         self._particles, self._launcher = particles, launcher
-        self._blocks = blocks
+        self.tiles = Tiles(particles, launcher, spacing)
         self.support, self.radius = support, support + skin
         self.plane = spec.vec(*(dict(planes).get(axis, 0.0) for axis in range(3)))
         self.plane_mask = sum(1 << axis for axis, _ in planes)
@@ -54,10 +57,9 @@ class Neighbours:
             self.n_neigh = wp.zeros(n, dtype=wp.int32)
             self._order = wp.zeros(n, dtype=wp.int32)
             self.start = wp.zeros(n + 1, dtype=wp.int32)
-            self.neigh = wp.empty(1, dtype=wp.int32)
+            self.n_near = wp.zeros(n, dtype=wp.int32)
             self.x_listed = wp.zeros(n, dtype=spec.vec)
-            self.box_low = wp.zeros(blocks.count, dtype=spec.vec)
-            self.box_high = wp.zeros(blocks.count, dtype=spec.vec)
+        self._allocate(1)
         self.builds, self.generation = 0, 0
 
     def build(self) -> None:
@@ -76,7 +78,7 @@ class Neighbours:
             self._enlarge()
             self._fill(self.radius)
         wp.copy(self.x_listed, p.x)
-        self._launcher.launch(self._kernels.boxes, self._blocks.count, self, p, self._blocks)
+        self.tiles.build(self.plane, self.plane_mask)
         self.builds += 1
 
     def _fill(self, radius: float) -> None:
@@ -93,8 +95,14 @@ class Neighbours:
         wp.utils.array_scan(self._room, self.start, inclusive=False)
         total = int(self.start[n:].numpy()[0])
         if total > self.neigh.size:
-            self.neigh = wp.empty(int(GROWTH * total), dtype=wp.int32, device=self._launcher.device)
+            self._allocate(int(GROWTH * total))
             self.generation += 1
+
+    def _allocate(self, capacity: int) -> None:
+        with wp.ScopedDevice(self._launcher.device):
+            self.neigh = wp.empty(capacity, dtype=wp.int32)
+            self.near = wp.empty(capacity, dtype=wp.int32)
+            self.slope = wp.empty(capacity, dtype=self._particles.spec.real)
 
     def mean_count(self) -> float:
         """Mean number of neighbours within the kernel's support now, the particle itself left out.

@@ -13,7 +13,7 @@ from .errors import InputError, RunError
 from .kernels.ledger import MAXIMA, SUMS, make_ledger
 from .kernels.spec import Spec
 from .kernels.timestep import COLLAPSED, DONE, NON_FINITE, STALE
-from .launch import Command, Launcher
+from .launch import SMALLEST_BLOCK_SLICE, SMALLEST_SLICE, Command, Launcher
 from .materials import pack
 from .neighbours import Neighbours
 from .particles import Particles
@@ -63,9 +63,9 @@ class Solver:
             self.particles,
             self.launcher,
             data.planes,
-            self._blocks,
-            self._scheme.support * h,
-            numerics.skin * h,
+            spacing=data.spacing,
+            support=self._scheme.support * h,
+            skin=numerics.skin * h,
         )
         self._constants = SimpleNamespace(
             h=h, spacing=data.spacing, cfl=numerics.cfl, gradient_ratio=settings.gradient_ratio,
@@ -92,10 +92,13 @@ class Solver:
                 partial=wp.zeros((self._blocks.count, len(SUMS) + len(MAXIMA)), dtype=wp.float64),
             )
 
-    def _bind(self, kernel, n: int | None = None) -> Command:
+    def _bind(self, kernel, blocks: int | None = None) -> Command:
+        """Bind a launch over all particles, or over ``blocks`` of them, to the solver's arrays."""
         return self.launcher.bind(
-            kernel, n or self.particles.n,
-            self.particles, self._work, self.neighbours, self._clock, self._blocks, self._constants,
+            kernel, blocks or self.particles.n,
+            self.particles, self._work, self.neighbours, self.neighbours.tiles,
+            self._clock, self._blocks, self._constants,
+            grain=SMALLEST_BLOCK_SLICE if blocks else SMALLEST_SLICE,
         )  # fmt: skip
 
     def _initialise(self) -> None:

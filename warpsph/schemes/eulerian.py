@@ -9,8 +9,10 @@ from warpsph.kernels.kinematics import make_kinematics
 from warpsph.kernels.momentum_eulerian import PairTerms, make_momentum
 from warpsph.kernels.smoothing import make_smoothing
 from warpsph.kernels.spec import Spec
+from warpsph.kernels.tiles import make_tiles
 from warpsph.kernels.timestep import make_timestep
 from warpsph.kernels.viscosity import MORRIS_MIN, make_switches
+from warpsph.tiles import MOST
 
 from . import EulerianSettings
 
@@ -32,7 +34,7 @@ class Eulerian:
         self.first_switch = MORRIS_MIN if s.viscosity == "morris" else 1.0
         switched = s.viscosity != "monaghan"
         terms = PairTerms(s.correction, switched, s.artificial_stress, planes)
-        self._timestep = make_timestep(spec)
+        self._timestep, self._tiles = make_timestep(spec), make_tiles(spec)
         self._correction = make_correction(spec, smoothing, planes) if s.correction else None
         self._momentum = make_momentum(spec, smoothing, terms)
         self._integrate = make_integrate(spec)
@@ -44,7 +46,8 @@ class Eulerian:
     def kernels(self) -> list:
         """Every kernel of a step."""
         own = [
-            *self._timestep, self._correction, self._momentum, *self._integrate,
+            *self._timestep,
+            *self._tiles, self._correction, self._momentum, *self._integrate,
             self._velocity_gradient, self._switch, self._constitutive, self._artificial_stress,
         ]  # fmt: skip
         return [k for k in own if k is not None]
@@ -61,7 +64,8 @@ class Eulerian:
         """One step from (x, v, e, ρ, τ) at t to t + dt; `bind(kernel, n)` binds a launch to the solver's arrays."""
         sequence = [
             (self._timestep.local, n_blocks),  # dt_a from the state at t
-            (self._timestep.wear, n_blocks),  # whether the neighbour rows still hold every pair
+            (self._tiles.motion, MOST),  # whether the neighbour rows
+            (self._tiles.wear, MOST),  # still hold every pair
             (self._timestep.decide, 1),  # dt, and whether to step at all
             (self._correction, None),  # S, G, K at x
             (self._momentum, None),  # A and B from σ at x

@@ -1,0 +1,184 @@
+"""Tiles of space: how far may particles move before the neighbour rows miss a pair.
+
+Two particles that are not in each other's rows were further apart than the rows' reach when the rows were
+built, and further than the gap between the boxes of their tiles. They have come nearer by at most the extent of
+both tiles' displacements. As long as that is less than what separates them from the kernel's support, for every two
+tiles, the rows hold every pair. The test is rigorous and local: fast debris far from everything wears nothing.
+"""
+
+import functools
+from typing import NamedTuple
+
+import warp as wp
+
+from .spec import Spec
+
+
+class TileKernels(NamedTuple):
+    """Kernels of this file."""
+
+    keys: wp.Kernel
+    heads: wp.Kernel
+    starts: wp.Kernel
+    boxes: wp.Kernel
+    motion: wp.Kernel
+    wear: wp.Kernel
+
+
+@functools.cache
+def make_tiles(s: Spec) -> TileKernels:
+    """Build the kernels for one specialisation."""
+    real, vec = s.real, s.vec
+    module = s.module(__name__)
+
+    @wp.func
+    def cell(c: real, width: real):
+        return wp.int32(wp.floor(wp.clamp(c / width, real(-1.0e9), real(1.0e9))))
+
+    @wp.kernel(module=module)
+    def keys(
+        offset: wp.int32,
+        # in:
+        x: wp.array[vec],
+        width: real,
+        # out:
+        key: wp.array[wp.int32],
+        member: wp.array[wp.int32],
+    ):
+        """Key of a particle's tile: ten bits of each coordinate; tiles 1024 apart share one and count as one."""
+        i = wp.tid() + offset
+        low = wp.int32(1023)
+        key[i] = (
+            (cell(x[i][0], width) & low)
+            | ((cell(x[i][1], width) & low) << 10)
+            | ((cell(x[i][2], width) & low) << 20)
+        )
+        member[i] = i
+
+    @wp.kernel(module=module)
+    def heads(
+        offset: wp.int32,
+        # in:
+        key: wp.array[wp.int32],
+        # out:
+        head: wp.array[wp.int32],
+    ):
+        """1 where a new tile begins in the sorted keys."""
+        k = wp.tid() + offset
+        head[k] = 1
+        if k > 0:
+            if key[k] == key[k - 1]:
+                head[k] = 0
+
+    @wp.kernel(module=module)
+    def starts(
+        offset: wp.int32,
+        # in:
+        head: wp.array[wp.int32],
+        number: wp.array[wp.int32],
+        n: wp.int32,
+        # out:
+        tile_start: wp.array[wp.int32],
+        n_tiles: wp.array[wp.int32],
+    ):
+        """First place of every tile in the list of members; ``number`` is the inclusive sum of ``head``."""
+        k = wp.tid() + offset
+        if head[k] == 1:
+            tile_start[number[k] - 1] = k
+        if k == n - 1:
+            tile_start[number[k]] = n
+            n_tiles[0] = number[k]
+
+    @wp.kernel(module=module)
+    def boxes(
+        offset: wp.int32,
+        # in:
+        x: wp.array[vec],
+        tile_start: wp.array[wp.int32],
+        member: wp.array[wp.int32],
+        n_tiles: wp.array[wp.int32],
+        plane: vec,
+        plane_mask: wp.int32,
+        # out:
+        box_low: wp.array[vec],
+        box_high: wp.array[vec],
+    ):
+        """Bounding box of a tile's particles [m], stretched to a symmetry plane where there is one: it holds the images' too."""
+        t = wp.tid() + offset
+        if t >= n_tiles[0]:
+            return
+        first = member[tile_start[t]]
+        low, high = vec(x[first]), vec(x[first])
+        for k in range(tile_start[t], tile_start[t + 1]):
+            low, high = wp.min(low, x[member[k]]), wp.max(high, x[member[k]])
+        for c in range(3):
+            if (plane_mask >> c) & 1 == 1:
+                low[c] = wp.min(low[c], plane[c])
+                high[c] = wp.max(high[c], plane[c])
+        box_low[t] = low
+        box_high[t] = high
+
+    @wp.kernel(module=module)
+    def motion(
+        offset: wp.int32,
+        # in:
+        x: wp.array[vec],
+        x_listed: wp.array[vec],
+        tile_start: wp.array[wp.int32],
+        member: wp.array[wp.int32],
+        n_tiles: wp.array[wp.int32],
+        plane_mask: wp.int32,
+        # out:
+        moved_low: wp.array[vec],
+        moved_high: wp.array[vec],
+    ):
+        """Bounding box of the displacements of a tile's particles since the rows were built [m]."""
+        t = wp.tid() + offset
+        if t >= n_tiles[0]:
+            return
+        low, high = vec(real(1.0e30)), vec(real(-1.0e30))
+        for k in range(tile_start[t], tile_start[t + 1]):
+            i = member[k]
+            moved = x[i] - x_listed[i]
+            low, high = wp.min(low, moved), wp.max(high, moved)
+        for c in range(3):
+            if (plane_mask >> c) & 1 == 1:  # an image moves the other way
+                widest = wp.max(-low[c], high[c])
+                low[c] = -widest
+                high[c] = widest
+        moved_low[t] = low
+        moved_high[t] = high
+
+    @wp.kernel(module=module)
+    def wear(
+        offset: wp.int32,
+        # in:
+        box_low: wp.array[vec],
+        box_high: wp.array[vec],
+        moved_low: wp.array[vec],
+        moved_high: wp.array[vec],
+        n_tiles: wp.array[wp.int32],
+        support: real,
+        radius: real,
+        # out:
+        tile_wear: wp.array[real],
+    ):
+        """Largest share of the allowed approach that a tile has used up against any tile [-]; 1 wears the rows out."""
+        t = wp.tid() + offset
+        if t >= n_tiles[0]:
+            tile_wear[t] = real(0.0)
+            return
+        low, high = moved_low[t], moved_high[t]
+        at, to = box_low[t], box_high[t]
+        skin2 = (radius - support) * (radius - support)
+        worst = real(0.0)
+        for u in range(n_tiles[0]):
+            nearer = wp.max(high - moved_low[u], moved_high[u] - low)
+            n2 = wp.dot(nearer, nearer)
+            if n2 > worst * skin2:  # otherwise no gap can make it the worst
+                gap = wp.max(wp.max(box_low[u] - to, at - box_high[u]), vec())
+                apart = wp.max(radius, wp.length(gap)) - support
+                worst = wp.max(worst, n2 / (apart * apart))
+        tile_wear[t] = wp.sqrt(worst)
+
+    return TileKernels(keys, heads, starts, boxes, motion, wear)

@@ -1,0 +1,60 @@
+"""Tiles of space over the particles, rebuilt with the neighbour rows: they tell when the rows are worn out."""
+
+import warp as wp
+
+from .kernels.tiles import make_tiles
+from .launch import Launcher
+from .particles import Particles
+
+PER_TILE = 64
+"""Particles a tile is meant to hold."""
+
+MOST = 1024
+"""Tiles at most: every step compares each with each. Where there are more, tiles grow."""
+
+
+class Tiles:
+    """Members and boxes of the tiles, and how far their particles have moved.
+
+    Attributes:
+        member: Particle indices tile by tile, shape [2 n] (the second half is work space of the sort).
+        tile_start: First place of a tile in ``member``, shape [n + 1].
+        n_tiles: Number of tiles, shape [1].
+        box_low: Lower corners of the tiles at the last build [m], shape [MOST, 3].
+        box_high: Upper corners of the tiles at the last build [m].
+        moved_low: Lower bounds of the displacements since then [m].
+        moved_high: Upper bounds of the displacements since then [m].
+        tile_wear: Share of the allowed approach used up; see `kernels.tiles`.
+    """
+
+    def __init__(self, particles: Particles, launcher: Launcher, spacing: float):
+        n, spec = particles.n, particles.spec
+        self._particles, self._launcher, self._kernels = particles, launcher, make_tiles(spec)
+        per_tile = max(PER_TILE, 4 * n // MOST)
+        self._width = spacing * per_tile ** (1.0 / spec.dim)
+        with wp.ScopedDevice(launcher.device):
+            self._key = wp.zeros(2 * n, dtype=wp.int32)
+            self._head = wp.zeros(n, dtype=wp.int32)
+            self._number = wp.zeros(n, dtype=wp.int32)
+            self.member = wp.zeros(2 * n, dtype=wp.int32)
+            self.tile_start = wp.zeros(n + 1, dtype=wp.int32)
+            self.n_tiles = wp.zeros(1, dtype=wp.int32)
+            self.box_low = wp.zeros(MOST, dtype=spec.vec)
+            self.box_high = wp.zeros(MOST, dtype=spec.vec)
+            self.moved_low = wp.zeros(MOST, dtype=spec.vec)
+            self.moved_high = wp.zeros(MOST, dtype=spec.vec)
+            self.tile_wear = wp.zeros(MOST, dtype=spec.real)
+
+    def build(self, plane, plane_mask: int) -> None:
+        """Sort the particles into tiles; tiles grow until there are no more than `MOST`."""
+        p, k, launch, n = self._particles, self._kernels, self._launcher.launch, self._particles.n
+        while True:
+            launch(k.keys, n, p, width=self._width, key=self._key, member=self.member)
+            wp.utils.radix_sort_pairs(self._key, self.member, n)
+            launch(k.heads, n, key=self._key, head=self._head)
+            wp.utils.array_scan(self._head, self._number, inclusive=True)
+            launch(k.starts, n, self, head=self._head, number=self._number, n=n)
+            if int(self.n_tiles.numpy()[0]) <= MOST:
+                break
+            self._width *= 1.5
+        launch(k.boxes, MOST, self, p, plane=plane, plane_mask=plane_mask)
