@@ -93,6 +93,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         own = i * on  # K and G are one long where there is no correction
         xi, vi, sig_i = x[i], v[i], sig[i]
         m_i, rho_i, cs_i, vol_i = m[i], rho[i], cs[i], vol[i]
+        areal_i = m_i / vol_i
         r_max2 = support * support * h * h
         # scalars, not vectors: the compiler keeps them in registers
         f_x, f_y, f_z, power, mu_max = real(0.0), real(0.0), real(0.0), real(0.0), real(0.0)
@@ -134,21 +135,22 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                 )
                 if wp.static(switched):
                     pi_ij *= half * (av_switch[i] + av_switch[j])
-                g_mean = half * (g_ji - g_ij)
+                g_mean = -g_ij
+                if wp.static(terms.corrected):
+                    g_mean = half * (g_ji - g_ij)
                 pair = pi_ij * g_mean
                 if wp.static(stressed):
                     f2 = w_ij * w_spacing * w_ij * w_spacing
                     pair -= (f2 * f2) * product(R[i] + mirror.tensor(R[j], sign), g_mean)
-                pair *= m[j] * m_i / vol_i
+                pair *= m[j] * areal_i
                 power += vol[j] * dot(vji, inner) + half * dot(vji, pair)
                 f_x += stress[0] + pair[0]
                 if wp.static(dim > 1):
                     f_y += stress[1] + pair[1]
                 if wp.static(dim > 2):
                     f_z += stress[2] + pair[2]
-        to_specific = vol_i / m_i
-        dvdt[i] = to_specific * vec(f_x, f_y, f_z)
-        dedt[i] = to_specific * power
+        dvdt[i] = vec(f_x, f_y, f_z) / areal_i
+        dedt[i] = power / areal_i
         mu[i] = mu_max
         n_near[i] = found
 

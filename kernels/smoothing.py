@@ -112,6 +112,7 @@ def _wendland_c2(s: Spec):
 
 def _wendland_c4(s: Spec):
     real = s.real
+    c2, c1 = real(35.0 / 12.0), real(14.0 / 3.0)  # out here: Warp divides literals in single precision
 
     @wp.func
     def shape_1d(q: real):
@@ -127,12 +128,12 @@ def _wendland_c4(s: Spec):
     def shape(q: real):
         t = wp.max(real(1.0) - real(0.5) * q, real(0.0))
         t3 = t * t * t
-        return t3 * t3 * (real(35.0 / 12.0) * q * q + real(3.0) * q + real(1.0))
+        return t3 * t3 * (c2 * q * q + real(3.0) * q + real(1.0))
 
     @wp.func
     def slope_q(q: real):
         t = wp.max(real(1.0) - real(0.5) * q, real(0.0))
-        return -real(14.0 / 3.0) * t * t * t * t * t * (real(2.5) * q + real(1.0))
+        return -c1 * t * t * t * t * t * (real(2.5) * q + real(1.0))
 
     if s.dim == 1:
         return shape_1d, slope_1d, 3.0 / 4.0, 2.0

@@ -1,0 +1,323 @@
+"""What ``warpsph bench`` measures: the step loop alone, beside another code's if you like, and what each kernel costs."""
+
+import json
+import shlex
+import subprocess
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from statistics import median
+from typing import Any
+
+from . import library, report
+from .errors import InputError, RunError
+from .info import table
+from .launch import find_device
+from .progress import Progress
+from .scene import Scene, SceneData
+from .shapes import Box, Sphere
+from .solver import PRECISIONS, Solver
+from .stopwatch import REST, ROWS, kernel_times
+
+WARM_UP, STEPS = 20, 80
+"""Steps before the clock starts, and steps that it then measures."""
+
+SCHEME = "sav1-as"
+"""Scheme of the two-dimensional case: what the peer script for PySPH solves."""
+
+HEADER = (
+    "case", "window", "particles", "precision", "threads", "ns per particle-step: median", "min", "max",
+    "neighbours", "ns per pair", "steps per rebuild",
+)  # fmt: skip
+"""Columns of the first table."""
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One way to compute a case.
+
+    Attributes:
+        device: Name of the Warp device.
+        precision: ``float64`` or ``float32``.
+        threads: CPU threads.
+    """
+
+    device: str
+    precision: str
+    threads: int | None
+
+    def solver(self, data: SceneData) -> Solver:
+        """Make a solver that is ready to step."""
+        made = Solver(data, device=self.device, precision=self.precision, threads=self.threads)
+        made.prepare()
+        return made
+
+
+@dataclass
+class Series:
+    """Repeated measurements of one case in one window of its time.
+
+    Attributes:
+        case: Name of the case.
+        window: Which steps were measured.
+        variant: How it was computed.
+        particles: Number of particles.
+        ns: Wall time per particle and step [ns], one for each repetition.
+        neighbours: Mean neighbours within the support, the particle itself left out.
+        steps: Steps of a repetition.
+        builds: Rebuilds of the neighbour rows in them.
+    """
+
+    case: str
+    window: str
+    variant: Variant
+    particles: int
+    ns: list[float] = field(default_factory=list)
+    neighbours: float = 0.0
+    steps: int = 0
+    builds: int = 0
+
+    def cells(self) -> list[str]:
+        """Row of the table."""
+        middle = median(self.ns)
+        return [
+            self.case, self.window, f"{self.particles:,}", self.variant.precision, str(self.variant.threads or "-"),
+            f"{middle:.4g}", f"{min(self.ns):.4g}", f"{max(self.ns):.4g}", f"{self.neighbours:.1f}",
+            f"{middle / self.neighbours:.3g}", f"{self.steps / max(self.builds, 1):.1f}",
+        ]  # fmt: skip
+
+
+@dataclass
+class Peer:
+    """Another code's command, which ends its output with one line of JSON.
+
+    Attributes:
+        command: The command.
+        ns: Its ``ns_per_particle_step``, one for each repetition.
+        facts: All that it printed the last time.
+    """
+
+    command: str
+    ns: list[float] = field(default_factory=list)
+    facts: dict[str, Any] = field(default_factory=dict)
+
+    def measure(self) -> None:
+        """Run it once.
+
+        Raises:
+            InputError: There is no such command, or it does not print what is needed.
+            RunError: It failed.
+        """
+        try:
+            done = subprocess.run(shlex.split(self.command), capture_output=True, text=True, check=False)
+        except OSError as error:
+            raise InputError(f"--peer {self.command!r} cannot be run: {error.strerror}") from error
+        last = (done.stdout.strip().splitlines() or [""])[-1]
+        if done.returncode:
+            said = (done.stderr.strip().splitlines() or [last])[-1]
+            raise RunError(f"--peer {self.command!r} failed with exit code {done.returncode}: {said}")
+        try:
+            self.facts = json.loads(last)
+            self.ns.append(float(self.facts["ns_per_particle_step"]))
+            self.facts["threads"] = int(self.facts["threads"])
+        except (ValueError, KeyError, TypeError) as error:
+            raise InputError(
+                f"--peer {self.command!r} printed {last[:60]!r} last; allowed: one line of JSON with "
+                "ns_per_particle_step and threads"
+            ) from error
+
+
+def bench(
+    device: str = "cpu",
+    *,
+    peers: Sequence[str] = (),
+    size: int | None = None,
+    full: bool = False,
+    repeats: int = 5,
+    progress: Progress | None = None,
+) -> str:
+    """Measure, and write the report into docs/benchmarks.md where this runs from a checkout.
+
+    Args:
+        device: Where to compute.
+        peers: Commands of other codes, measured in turn with ours; each prints one line of JSON last.
+        size: Measure an impact in 2D and one in 3D of about so many particles as well.
+        full: Measure the whole 8 µs as well, once.
+        repeats: Repetitions of every measurement.
+        progress: Where progress goes.
+
+    Returns:
+        The report, for a terminal.
+
+    Raises:
+        InputError: An argument makes no sense.
+        RunError: A peer failed.
+    """
+    if repeats < 1:
+        raise InputError(f"--repeats {repeats} is not allowed; allowed: 1 or more")
+    if size is not None and not 1000 <= size <= 100_000_000:
+        raise InputError(f"--size {size} is not allowed; allowed: 1000 to 100000000 particles")
+    say = (progress or Progress()).message
+    data = impact_2d().finalize()
+    variants, others = _variants(device), [Peer(command) for command in peers]
+    rows = _in_turn("2D impact", data, variants, others, repeats, say)
+    if full:
+        rows += [_whole("2D impact", data, variant, say) for variant in variants]
+    if size is not None:
+        for case, scene in (("2D impact", impact_2d(size)), ("3D impact", impact_3d(size))):
+            rows += _in_turn(case, scene.finalize(), _variants(device)[-2:], [], repeats, say)
+    say("timing every kernel ...")
+    tables = [("", HEADER, [row.cells() for row in rows])]
+    if others:
+        tables.append(("Beside other codes", PEER_HEADER, _comparison(others, rows)))
+    tables.append(("What a step is made of", *_shares(data, variants)))
+    _publish(device, tables)
+    return "\n\n".join((f"{title}\n" if title else "") + table(body, head) for title, head, body in tables)
+
+
+def impact_2d(particles: int | None = None) -> Scene:
+    """Build the bundled scene hvi_2d at the paper's resolution, or with about so many particles."""
+    spacing = 1e-4 if particles is None else 1e-4 * (17850 / particles) ** 0.5
+    return library.load("hvi_2d").build(scheme=SCHEME, spacing=spacing)
+
+
+def impact_3d(particles: int) -> Scene:
+    """Build an aluminium sphere that hits an aluminium plate at 3.1 km/s, of about so many particles."""
+    radius, half, thickness = 5e-3, 20e-3, 2e-3
+    volume = 4.0 / 3.0 * 3.14159 * radius**3 + 4.0 * half**2 * thickness
+    spacing = (volume / particles) ** (1.0 / 3.0)
+    scene = Scene("impact_3d", dim=3, spacing=spacing, until=8e-6)
+    ball = Sphere(radius, (-radius - 1.9 * spacing, 0.0, 0.0))
+    scene.add_body("projectile", ball, "aluminium", velocity=(3100.0, 0.0, 0.0))
+    scene.add_body("plate", Box((0.0, -half, -half), (thickness, half, half)), "aluminium")
+    return scene
+
+
+def _variants(device: str) -> list[Variant]:
+    """Both precisions; on a CPU with one thread, then with all."""
+    found = find_device(device)
+    if found.is_cuda:
+        return [Variant(device, precision, None) for precision in PRECISIONS]
+    everything = report.cores()
+    return [Variant(device, p, threads) for threads in sorted({1, everything}) for p in PRECISIONS]
+
+
+def _in_turn(
+    case: str,
+    data: SceneData,
+    variants: list[Variant],
+    peers: list[Peer],
+    repeats: int,
+    say: Callable[[str], None],
+) -> list[Series]:
+    """Measure the first steps with every variant and every peer in turn, so that all see the same machine."""
+    window = f"steps {WARM_UP + 1} to {WARM_UP + STEPS}"
+    series = [Series(case, window, variant, len(data.x)) for variant in variants]
+    for k in range(repeats):
+        say(f"{case}, {len(data.x):,} particles: repetition {k + 1} of {repeats}")
+        for row in series:
+            _first_steps(row, data)
+        for peer in peers:
+            peer.measure()
+    return series
+
+
+def _first_steps(row: Series, data: SceneData) -> None:
+    """Add one measurement of `STEPS` steps after `WARM_UP` steps."""
+    solver = row.variant.solver(data)
+    _advance(solver, WARM_UP)
+    steps, builds, start = solver.reading.steps, solver.neighbours.builds, time.perf_counter()
+    _advance(solver, STEPS)
+    wall = time.perf_counter() - start
+    row.steps, row.builds = solver.reading.steps - steps, solver.neighbours.builds - builds
+    row.ns.append(1e9 * wall / (row.steps * len(data.x)))
+    row.neighbours = row.neighbours or solver.mean_neighbours()
+
+
+def _advance(solver: Solver, count: int) -> None:
+    """Take ``count`` steps, and those that were under way then: batches are not cut."""
+    target = solver.reading.steps + count
+    solver.advance(float("inf"), lambda now: now.steps >= target)
+
+
+def _whole(case: str, data: SceneData, variant: Variant, say: Callable[[str], None]) -> Series:
+    """Measure a scene from beginning to end, once; neighbours are counted ten times in between."""
+    say(
+        f"{case}, {len(data.x):,} particles: the whole time, {variant.precision}, {variant.threads or 1} threads"
+    )
+    solver = variant.solver(data)
+    row = Series(case, f"all {data.until * 1e6:g} µs", variant, len(data.x))
+    wall, counts, builds = 0.0, [], 0
+    for k in range(10):
+        before, start = solver.neighbours.builds, time.perf_counter()
+        solver.advance(data.until * (k + 1) / 10)
+        wall += time.perf_counter() - start
+        builds += solver.neighbours.builds - before
+        counts.append(solver.mean_neighbours())
+    row.steps, row.builds, row.neighbours = solver.reading.steps, builds, sum(counts) / len(counts)
+    row.ns.append(1e9 * wall / (row.steps * len(data.x)))
+    return row
+
+
+PEER_HEADER = (
+    "code", "particles", "neighbours", "threads", "steps", "its ns per particle-step: median", "min", "max",
+    "window of warpsph", "warpsph's median", "times faster",
+)  # fmt: skip
+"""Columns of the comparison."""
+
+
+def _comparison(peers: list[Peer], rows: list[Series]) -> list[list[str]]:
+    """Each peer beside our float64 figures for the same case and number of threads."""
+    out = []
+    for peer in peers:
+        facts, theirs = peer.facts, median(peer.ns)
+        name = f"{facts.get('code', shlex.split(peer.command)[0])} {facts.get('version', '')}".strip()
+        head = [
+            name,
+            str(facts.get("particles", "?")),
+            str(facts.get("neighbours", "?")),
+            str(facts["threads"]),
+        ]
+        head += [str(facts.get("steps", "?")), f"{theirs:.4g}", f"{min(peer.ns):.4g}", f"{max(peer.ns):.4g}"]
+        for row in rows:
+            same = row.case == rows[0].case and row.particles == rows[0].particles
+            threads = row.variant.threads in (facts["threads"], None)
+            if same and threads and row.variant.precision == "float64":
+                ours = median(row.ns)
+                out.append([*head, row.window, f"{ours:.4g}", f"{theirs / ours:.2f}"])
+    return out
+
+
+def _shares(data: SceneData, variants: list[Variant]) -> tuple[list[str], list[list[str]]]:
+    """Header and rows of the second table: time per particle and step, and its share, by kernel and variant."""
+    columns = []
+    for variant in variants:
+        solver = variant.solver(data)
+        _advance(solver, WARM_UP)
+        before = solver.reading.steps
+        spent = kernel_times(solver, lambda solver=solver: _advance(solver, STEPS))
+        total = sum(spent.values())
+        work = (solver.reading.steps - before) * len(data.x)
+        columns.append({name: f"{1e9 * t / work:.3g} ({t / total:.0%})" for name, t in spent.items()})
+    header = ["kernel, ns per particle-step (share)"]
+    header += [f"{v.precision}, {_threads(v)}" for v in variants]
+    own = [name for name in columns[0] if name not in (ROWS, REST)]
+    names = own + [name for name in (ROWS, REST) if name in columns[0]]
+    return header, [[name, *(column.get(name, "-") for column in columns)] for name in names]
+
+
+def _threads(variant: Variant) -> str:
+    return "GPU" if variant.threads is None else f"{variant.threads} thread{'s' * (variant.threads > 1)}"
+
+
+def _publish(device: str, tables: list) -> None:
+    """Write the report into the documentation of a checkout."""
+    root = report.checkout()
+    if root is None:
+        return
+    found = find_device(device)
+    facts = "\n".join(f"- {name}: {value}" for name, value in report.facts(found).items())
+    parts = [f"### {title}\n\n" * bool(title) + report.markdown(head, body) for title, head, body in tables]
+    report.write_section(
+        root / "docs" / "benchmarks.md", "cuda" if found.is_cuda else "cpu", "\n\n".join([facts, *parts])
+    )

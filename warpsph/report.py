@@ -1,0 +1,85 @@
+"""Reports that commands write into a checkout's documentation: tables between markers, with where they come from."""
+
+import datetime
+import os
+import platform
+import subprocess
+from collections.abc import Iterable, Sequence
+from importlib.metadata import version
+from pathlib import Path
+
+import warp as wp
+
+from . import __version__, atomic
+from .errors import InputError
+
+LIBRARIES = ("warp-lang", "numpy")
+"""Libraries whose versions matter to a figure."""
+
+
+def checkout() -> Path | None:
+    """Root of the source tree that this package runs from; None for an installed package."""
+    root = Path(__file__).resolve().parents[1]
+    return root if (root / "pyproject.toml").is_file() and (root / "docs").is_dir() else None
+
+
+def facts(device: wp.Device) -> dict[str, str]:
+    """Where and from what a figure was measured: date, device, operating system, commit and versions."""
+    versions = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
+    return {
+        "date": datetime.date.today().isoformat(),
+        "device": device.name if device.is_cuda else _processor(),
+        "system": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
+        "warpsph": f"{__version__}, commit {_commit()}",
+        "libraries": versions,
+    }
+
+
+def markdown(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Lay rows of text out as a Markdown table."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in lines)
+
+
+def write_section(path: Path, name: str, text: str) -> None:
+    """Replace what stands between the markers ``<!-- begin NAME -->`` and ``<!-- end NAME -->`` of a file.
+
+    Raises:
+        InputError: If the file does not have both markers, once and in order.
+    """
+    begin, end = f"<!-- begin {name} -->", f"<!-- end {name} -->"
+    before, found, rest = path.read_text(encoding="utf-8").partition(begin)
+    _, closed, after = rest.partition(end)
+    if not found or not closed:
+        raise InputError(
+            f"{path} has no place for the report; allowed: a file with the lines {begin} and {end}"
+        )
+    atomic.write(path, f"{before}{begin}\n{text.strip()}\n{end}{after}".encode())
+
+
+def cores() -> int:
+    """Processor cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _processor() -> str:
+    """Name and number of cores of the processor."""
+    name = platform.processor() or platform.machine()
+    table = Path("/proc/cpuinfo")
+    if table.is_file():
+        lines = table.read_text(errors="replace").splitlines()
+        models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+        name = models[0] if models else name
+    return f"{name}, {cores()} cores"
+
+
+def _commit() -> str:
+    """Commit of the checkout, marked where files have changed since; ``unknown`` outside of one."""
+    root = checkout()
+    if root is None:
+        return "unknown"
+    command = ["git", "-C", str(root), "describe", "--always", "--dirty=, with changes", "--exclude=*"]
+    try:
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
