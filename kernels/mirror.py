@@ -29,12 +29,14 @@ class Mirror(NamedTuple):
 def make_mirror(s: Spec, planes: bool) -> Mirror:
     """Build the functions; without ``planes`` they hand their argument through."""
     real, vec, mat = s.real, s.vec, s.mat
+    low = wp.constant((1 << INDEX_BITS) - 1)
+
+    @wp.func
+    def index(entry: wp.int32):
+        """Index of the particle. It is masked without planes too: the compiler then knows that it is not negative."""
+        return entry & low
 
     if not planes:
-
-        @wp.func
-        def index(entry: wp.int32):
-            return entry
 
         @wp.func
         def sign(entry: wp.int32):
@@ -53,12 +55,6 @@ def make_mirror(s: Spec, planes: bool) -> Mirror:
             return T
 
     else:
-        low = wp.constant((1 << INDEX_BITS) - 1)
-
-        @wp.func
-        def index(entry: wp.int32):
-            return entry & low
-
         @wp.func
         def bit(entry: wp.int32, axis: wp.int32):
             if (entry >> (INDEX_BITS + axis)) & 1 == 1:

@@ -46,10 +46,10 @@ def _cubic_spline(s: Spec):
 
     @wp.func
     def slope_q(q: real):
-        if q < real(1.0):
-            return real(2.25) * q - real(3.0)
+        # without a branch at q = 1: pairs take either side at random
         t = wp.max(real(2.0) - q, real(0.0))
-        return -real(0.75) * t * t / q
+        u = wp.max(real(1.0) - q, real(0.0))
+        return (real(3.0) * u * u - real(0.75) * t * t) / wp.max(q, real(1.0e-6))
 
     sigma = {1: 2.0 / 3.0, 2: 10.0 / (7.0 * math.pi), 3: 1.0 / math.pi}
     return shape, slope_q, sigma[s.dim], 2.0

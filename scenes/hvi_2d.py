@@ -6,12 +6,16 @@ import numpy as np
 
 from warpsph.config import Numerics
 from warpsph.lattices import CoreAndRings, Rings
+from warpsph.measure import extent, groups, once, widest_gap
 from warpsph.scene import Scene
 from warpsph.shapes import Box, Disc
 from warpsph.state import State
 
 RADIUS, THICKNESS, HEIGHT = 5e-3, 2e-3, 50.1e-3
 """Disc radius, plate thickness and plate height [m]."""
+
+SMOOTHING_RATIO = 1.4
+"""h over the spacing."""
 
 
 def build(
@@ -24,29 +28,92 @@ def build(
     """Build disc and plate, so far apart that their supports are about to overlap: t = 0 of the measures.
 
     Args:
-        scheme: Scheme.
+        scheme: Viscosity sav1, sav2, bal or mon; -as adds artificial stress, -mixed the correction, -mixed-as both.
         spacing: Particle spacing [m]; the paper's is 1e-4.
         speed: Speed of the disc [m/s].
         lattice: Arrangement of the disc's particles: 7830 or, as concentric rings, 8012 at the paper's spacing.
         plane: Plane strain or plane stress.
     """
-    numerics = Numerics(scheme=scheme, smoothing_ratio=1.4, plane=plane)
+    numerics = Numerics(scheme=scheme, smoothing_ratio=SMOOTHING_RATIO, plane=plane)
     scene = Scene("hvi_2d", dim=2, spacing=spacing, until=8e-6, snapshots=20, numerics=numerics)
-    gap = 2.0 * 1.4 * spacing - 0.5 * spacing
+    gap = 2.0 * SMOOTHING_RATIO * spacing - 0.5 * spacing
+    centre = (-RADIUS - gap, 0.0)
     filling = CoreAndRings() if lattice == "core-and-rings" else Rings("edges")
-    scene.add_body(
-        "projectile", Disc(RADIUS, (-RADIUS - gap, 0.0)), "aluminium", lattice=filling, velocity=(speed, 0.0)
+    disc = scene.add_body(
+        "projectile", Disc(RADIUS, centre), "aluminium", lattice=filling, velocity=(speed, 0.0)
     )
     scene.add_body("plate", Box((0.0, -0.5 * HEIGHT), (THICKNESS, 0.5 * HEIGHT)), "aluminium")
-    centre = int(np.argmin(np.linalg.norm(scene.bodies["projectile"].x - [-RADIUS - gap, 0.0, 0.0], axis=1)))
-    scene.add_measure("peak_pressure", lambda state: float(state.p_high[centre]), "Pa")
-    scene.add_measure("projectile_travel", lambda state: nose(state), "m")
+    add_pressures(scene, np.linalg.norm(disc.x[:, :2] - centre, axis=1))
+    add_lengths(scene)
     return scene
 
 
-def nose(state: State) -> float:
-    """Leading edge of the projectile [m]."""
-    return float(state.x[state.of("projectile"), 0].max())
+def add_pressures(scene: Scene, distance: np.ndarray) -> None:
+    """Add what the disc's centre has seen: extremes that its particle keeps, and the peak of an average beside it.
+
+    Args:
+        scene: The scene.
+        distance: Distance of the disc's particles from its centre at the start [m]; the disc is the first body.
+    """
+    nearest = int(np.argmin(distance))
+    beside = np.flatnonzero(distance <= 3.0 * scene.spacing * (1.0 + 1e-9))
+    scene.add_measure("peak_pressure", lambda state: float(state.p_high[nearest]), "Pa")
+    scene.add_measure("peak_pressure_mean", lambda state: float(state.p[beside].mean()), "Pa", peak=True)
+    scene.add_measure("peak_tension", lambda state: float(0.0 - state.p_low[nearest]), "Pa")
+
+
+def add_lengths(scene: Scene) -> None:
+    """Add lengths, all between the centres of particles; x = 0 is the face of the plate that is hit."""
+    bulk = once(largest_piece)
+    axis = max(0.1 * RADIUS, scene.spacing)
+
+    def extension(state: State) -> float:
+        return extent(state.x[bulk(state) & (np.abs(state.x[:, 1]) <= axis), 0])
+
+    def span(state: State) -> float:
+        return extent(state.x[bulk(state), 0])
+
+    def spalled(state: State) -> float:
+        return float((state.of("projectile") & ~bulk(state)).sum())
+
+    def travel(state: State) -> float:
+        return float(state.x[bulk(state), 0].max(initial=-np.inf))
+
+    scene.add_measure("crater_diameter", crater, "m")
+    scene.add_measure("cavity_diameter", cavity, "m")
+    scene.add_measure("projectile_extension", extension, "m")
+    scene.add_measure("projectile_span", span, "m")
+    scene.add_measure("projectile_spalled", spalled, "1")
+    scene.add_measure("projectile_travel", travel, "m")
+
+
+def largest_piece(state: State) -> np.ndarray:
+    """Mask of the projectile's bulk, shape [n]: its largest piece connected within one support."""
+    of = np.flatnonzero(state.of("projectile"))
+    bulk = np.zeros(len(state.x), dtype=bool)
+    bulk[of[groups(state.x[of], 2.0 * state.h) == 0]] = True
+    return bulk
+
+
+def crater(state: State) -> float:
+    """Narrowest opening of the plate between its lips [m]; 0 while both sides are within one support.
+
+    The lips are what lies within half a thickness of the plate's faces and is connected with its outer halves.
+    """
+    support = 2.0 * state.h
+    x = state.x[state.of("plate")]
+    x = x[np.abs(x[:, 0] - 0.5 * THICKNESS) < THICKNESS]
+    piece = groups(x, support)
+    outer = np.abs(x[:, 1]) > 0.25 * HEIGHT
+    return widest_gap(x[np.isin(piece, piece[outer]), 1], support)
+
+
+def cavity(state: State) -> float:
+    """Widest opening across the bubble that the plate forms around the projectile [m], in slices of one support."""
+    support = 2.0 * state.h
+    x = state.x[state.of("plate")]
+    x = x[x[:, 0] > 0.0]
+    return widest_gap(x[:, 1], support, np.floor(x[:, 0] / support))
 
 
 if __name__ == "__main__":

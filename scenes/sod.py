@@ -32,7 +32,7 @@ def exact(xi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     shock = np.sqrt(GAMMA * p_r / rho_r) * np.sqrt(
         (GAMMA + 1.0) / (2.0 * GAMMA) * p / p_r + (GAMMA - 1.0) / (2.0 * GAMMA)
     )
-    c_fan = 2.0 / (GAMMA + 1.0) * c_l - g * xi
+    c_fan = np.maximum(2.0 / (GAMMA + 1.0) * c_l - g * xi, 0.0)  # negative far outside of the fan
     fan = (
         rho_l * (c_fan / c_l) ** (2.0 / (GAMMA - 1.0)),
         2.0 / (GAMMA + 1.0) * (c_l + xi),

@@ -125,6 +125,16 @@ def test_kernel_adds_in_local_variables(kernel):
             assert ast.unparse(node.target.value) not in names, "a[i] += b is an atomic add in Warp"
 
 
+@pytest.mark.parametrize("path", KERNEL_FILES, ids=path_id)
+def test_device_code_does_no_arithmetic_on_literals(path):
+    for code in (*decorated(path, "kernel"), *decorated(path, "func")):
+        for node in ast.walk(code):
+            operands = (getattr(node, "left", None), getattr(node, "right", None))
+            assert not all(isinstance(o, ast.Constant) and isinstance(o.value, float) for o in operands), (
+                f"Warp computes {ast.unparse(node)} in single precision: do it outside of the function"
+            )
+
+
 @pytest.mark.parametrize("path", HOST_FILES, ids=path_id)
 def test_host_files_define_no_kernels(path):
     assert not list(decorated(path, "kernel")), "device code lives in kernels/"

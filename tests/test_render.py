@@ -131,10 +131,21 @@ def test_frame_of_a_running_solver(tmp_path):
     assert coloured(np.asarray(Image.open(tmp_path / "pressure_0001.png"))).sum() > 100
 
 
-def test_machine_without_opengl_is_told_so(monkeypatch):
-    window = types.SimpleNamespace(Initialize=lambda: None, IsCurrent=lambda: False)  # as VTK without libEGL
+def window(kind: str, *, initialise=lambda: None):
+    """Stand-in for VTK's window on a machine that cannot draw."""
+    return types.SimpleNamespace(GetClassName=lambda: kind, Initialize=initialise, IsCurrent=lambda: False)
+
+
+def test_machine_without_opengl_is_told_so():
     with pytest.raises(RunError, match="cannot draw off screen: OpenGL is missing"):
-        spheres._check(window)
+        spheres._check(window("vtkEGLRenderWindow"))
+
+
+def test_window_without_its_library_is_not_touched(monkeypatch):
+    monkeypatch.setattr(spheres, "OSMESA", ("libNoSuchLibrary.so",))
+    touched = window("vtkOSOpenGLRenderWindow", initialise=lambda: pytest.fail("VTK may crash here"))
+    with pytest.raises(RunError, match="cannot draw off screen: OpenGL is missing"):
+        spheres._check(touched)
 
 
 def test_broken_particles_are_left_out():

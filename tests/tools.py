@@ -17,6 +17,7 @@ PLASTIC = lib.Material("plastic", DENSITY, lib.LinearElastic(K=K), lib.Perfectly
 FLUID = lib.Material("fluid", 1000.0, lib.StiffenedGas(c0=1480.0, gamma0=2.0), lib.Fluid())
 SPACING = 1e-3
 DOUBLE = {dim: Spec(dim, wp.float64) for dim in (1, 2, 3)}
+REALS = ("float64", "float32")
 
 
 def jittered(dim, n, amount=0.2, seed=0):
@@ -32,11 +33,11 @@ def scene(dim, until=1.0, **numerics):
     return Scene("test", dim=dim, spacing=SPACING, until=until, numerics=Numerics(**numerics))
 
 
-def body(dim, points, velocity=(0.0, 0.0, 0.0), material=ELASTIC, **numerics):
+def body(dim, points, velocity=(0.0, 0.0, 0.0), material=ELASTIC, precision="float64", **numerics):
     """Solver of one body of given points; ``velocity`` may be one for each."""
     made = scene(dim, **numerics)
     made.add_body("body", points, material, velocity=velocity)
-    return Solver(made.finalize())
+    return Solver(made.finalize(), precision=precision)
 
 
 def collision(dim=2, radius=4.5, speed=400.0, material="aluminium", **numerics):

@@ -16,7 +16,7 @@ from .launch import find_device
 from .progress import Progress
 from .scene import Scene, SceneData
 from .shapes import Box, Sphere
-from .solver import PRECISIONS, Solver
+from .solver import Solver
 from .stopwatch import REST, ROWS, kernel_times
 
 WARM_UP, STEPS = 20, 80
@@ -24,6 +24,9 @@ WARM_UP, STEPS = 20, 80
 
 SCHEME = "sav1-as"
 """Scheme of the two-dimensional case: what the peer script for PySPH solves."""
+
+PRECISIONS = ("float64", "float32")
+"""In the order of the tables."""
 
 HEADER = (
     "case", "window", "particles", "precision", "threads", "ns per particle-step: median", "min", "max",
@@ -110,8 +113,9 @@ class Peer:
         """
         try:
             done = subprocess.run(shlex.split(self.command), capture_output=True, text=True, check=False)
-        except OSError as error:
-            raise InputError(f"--peer {self.command!r} cannot be run: {error.strerror}") from error
+        except (OSError, ValueError, IndexError) as error:  # no such file, open quotes, no words
+            why = getattr(error, "strerror", None) or error
+            raise InputError(f"--peer {self.command!r} cannot be run: {why}") from error
         last = (done.stdout.strip().splitlines() or [""])[-1]
         if done.returncode:
             said = (done.stderr.strip().splitlines() or [last])[-1]
@@ -158,6 +162,7 @@ def bench(
     if size is not None and not 1000 <= size <= 100_000_000:
         raise InputError(f"--size {size} is not allowed; allowed: 1000 to 100000000 particles")
     say = (progress or Progress()).message
+    origin = report.facts(find_device(device))
     data = impact_2d().finalize()
     variants, others = _variants(device), [Peer(command) for command in peers]
     rows = _in_turn("2D impact", data, variants, others, repeats, say)
@@ -171,7 +176,7 @@ def bench(
     if others:
         tables.append(("Beside other codes", PEER_HEADER, _comparison(others, rows)))
     tables.append(("What a step is made of", *_shares(data, variants)))
-    _publish(device, tables)
+    _publish(find_device(device).is_cuda, origin, tables)
     return "\n\n".join((f"{title}\n" if title else "") + table(body, head) for title, head, body in tables)
 
 
@@ -199,7 +204,9 @@ def _variants(device: str) -> list[Variant]:
     if found.is_cuda:
         return [Variant(device, precision, None) for precision in PRECISIONS]
     everything = report.cores()
-    return [Variant(device, p, threads) for threads in sorted({1, everything}) for p in PRECISIONS]
+    return [
+        Variant(device, precision, threads) for threads in sorted({1, everything}) for precision in PRECISIONS
+    ]
 
 
 def _in_turn(
@@ -310,14 +317,13 @@ def _threads(variant: Variant) -> str:
     return "GPU" if variant.threads is None else f"{variant.threads} thread{'s' * (variant.threads > 1)}"
 
 
-def _publish(device: str, tables: list) -> None:
+def _publish(cuda: bool, origin: dict[str, str], tables: list) -> None:
     """Write the report into the documentation of a checkout."""
     root = report.checkout()
     if root is None:
         return
-    found = find_device(device)
-    facts = "\n".join(f"- {name}: {value}" for name, value in report.facts(found).items())
+    facts = "\n".join(f"- {name}: {value}" for name, value in origin.items())
     parts = [f"### {title}\n\n" * bool(title) + report.markdown(head, body) for title, head, body in tables]
     report.write_section(
-        root / "docs" / "benchmarks.md", "cuda" if found.is_cuda else "cpu", "\n\n".join([facts, *parts])
+        root / "docs" / "benchmarks.md", "cuda" if cuda else "cpu", "\n\n".join([facts, *parts])
     )

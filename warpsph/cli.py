@@ -304,17 +304,20 @@ def scenes(name: str | None = None, /) -> None:
     print("\n" + table(rows, ("parameter", "default", "allowed", "")) if rows else "It has no parameters.")
 
 
-def validate(case: str | None = None, /, *, out: Path = Path("runs/validation")) -> None:
+def validate(
+    case: str | None = None, /, *, out: Path = Path("runs/validation"), device: str = "cpu"
+) -> None:
     """Run a validation case and compare its measures with the published ones.
 
     Args:
-        case: Scene to validate; all that have published numbers if not given.
-        out: Folder for the runs and the report.
+        case: Scene to validate; all that have a case if not given.
+        out: Folder for the runs and the report; replaces what an earlier validation left there.
+        device: Where to compute: cpu, or cuda:0, cuda:1, ...
     """
-    with _reporting("cpu"):
+    with _reporting(device) as progress:
         from .validate import validate as compare
 
-        compare(case, out)
+        compare(case, out, device=device, progress=progress)
 
 
 def bench(

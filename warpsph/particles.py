@@ -49,8 +49,8 @@ class Particles:
             wp.copy(old, new)
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """Every field on the host, in memory order: what a checkpoint holds."""
-        return {f.name: getattr(self, f.name).numpy() for f in FIELDS}
+        """Copy every field to the host, in memory order: what a checkpoint holds."""
+        return {f.name: getattr(self, f.name).numpy().copy() for f in FIELDS}  # on a CPU numpy() is a view
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Take over the arrays of a checkpoint."""

@@ -24,11 +24,12 @@ def checkout() -> Path | None:
 
 
 def facts(device: wp.Device) -> dict[str, str]:
-    """Where and from what a figure was measured: date, device, operating system, commit and versions."""
+    """Where and from what a figure was measured: date, device and its load, operating system, commit, versions."""
     versions = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
     return {
         "date": datetime.date.today().isoformat(),
         "device": device.name if device.is_cuda else _processor(),
+        "load average": f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown",
         "system": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
         "warpsph": f"{__version__}, commit {_commit()}",
         "libraries": versions,

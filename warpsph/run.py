@@ -1,6 +1,7 @@
 """A run: a scene, a solver and an output folder, from the first snapshot to the summary."""
 
 import json
+import math
 import shutil
 import signal
 import threading
@@ -161,6 +162,7 @@ class _Job:
         self.next_snapshot, self.next_row = 0, 0.0
         self.interval = until / self.data.snapshots
         self.warnings: list[str] = []
+        self.peaks = {name: -math.inf for name, measure in self.data.measures.items() if measure.peak}
         self._started = time.perf_counter()
         self._stop_asked = False
         self._mark = (0.0, 0)
@@ -180,7 +182,7 @@ class _Job:
         self.solver.relist()
         self.balance.restore(info["balance"])
         self.history = History.reopen(self.out / "history.csv", info["time"])
-        self.neighbours = info["neighbours"]
+        self.neighbours, self.peaks = info["neighbours"], info["peaks"]
         self.interval, self.next_snapshot, self.next_row = (
             info["interval"],
             info["next_snapshot"],
@@ -263,7 +265,10 @@ class _Job:
         if not self.data.measures:
             return {}
         state = self.solver.state()
-        return {name: float(measure.function(state)) for name, measure in self.data.measures.items()}
+        found = {name: float(measure.function(state)) for name, measure in self.data.measures.items()}
+        for name, highest in self.peaks.items():
+            found[name] = self.peaks[name] = max(highest, found[name])
+        return found
 
     def _output(self) -> None:
         """Write a snapshot and a checkpoint; rebuild the rows, as a restart from here does."""
@@ -283,7 +288,7 @@ class _Job:
             "solver": solver, "balance": self.balance.save(), "parameters": self.parameters,
             "time": self.solver.reading.time, "until": self.until, "interval": self.interval,
             "next_snapshot": self.next_snapshot, "next_row": self.next_row, "neighbours": self.neighbours,
-            "step_wall": self.step_wall, "wall": self._elapsed(), "device": self.solver.launcher.device.alias,
+            "peaks": self.peaks, "step_wall": self.step_wall, "wall": self._elapsed(), "device": self.solver.launcher.device.alias,
         }  # fmt: skip
         checkpoint.save(self.out / "checkpoint.h5", arrays, info)
 

@@ -34,10 +34,12 @@ class Measure:
     Attributes:
         function: Gives the number from a picture of all particles.
         unit: SI unit, ``"1"`` if dimensionless.
+        peak: Report the largest number so far, among the rows of the history.
     """
 
     function: Callable[[State], float]
     unit: str
+    peak: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,13 +260,16 @@ class Scene:
             raise checks.refuse("axis of a symmetry plane", axis, "one plane for each axis")
         self.planes.append((axes.index(axis), checks.number("position of a symmetry plane", position)))
 
-    def add_measure(self, name: str, function: Callable[[State], float], unit: str = "1") -> None:
+    def add_measure(
+        self, name: str, function: Callable[[State], float], unit: str = "1", *, peak: bool = False
+    ) -> None:
         """Add a number that is taken from the particles and reported.
 
         Args:
             name: Name in the summary and the history.
             function: Gives the number from a `warpsph.state.State`.
             unit: SI unit.
+            peak: Report the largest number so far; it is looked at some 200 times a run, for the history.
 
         Raises:
             InputError: If the name is in use or the function cannot be called.
@@ -275,7 +280,7 @@ class Scene:
             )
         if not callable(function):
             raise checks.refuse(f"function of measure {name!r}", function, "a function of a State")
-        self.measures[name] = Measure(function, unit)
+        self.measures[name] = Measure(function, unit, peak)
 
     def finalize(self) -> SceneData:
         """Check the scene as a whole and give its particles, body after body.

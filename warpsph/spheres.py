@@ -1,5 +1,6 @@
 """Particles drawn as lit spheres, off screen."""
 
+import ctypes
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,6 +10,10 @@ from .errors import RunError
 
 if TYPE_CHECKING:
     from vtkmodules.vtkRenderingCore import vtkRenderWindow
+
+
+OSMESA = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
+"""Names of the library that draws in memory where there is no EGL."""
 
 
 class Spheres:
@@ -81,13 +86,25 @@ class Spheres:
 
 
 def _check(window: "vtkRenderWindow") -> None:
-    """Make sure that a window can draw: VTK itself would crash at the first picture.
+    """Make sure that a window can draw: VTK itself would crash at the first picture, or before.
 
     Raises:
         RunError: If it cannot.
     """
-    window.Initialize()
-    if not window.IsCurrent():
-        raise RunError(
-            "this machine cannot draw off screen: OpenGL is missing; install Mesa (apt install libegl1)"
-        )
+    # VTK takes this class where neither EGL nor X is there; without its library it must not even be initialised
+    if window.GetClassName() != "vtkOSOpenGLRenderWindow" or any(map(_loads, OSMESA)):
+        window.Initialize()
+        if window.IsCurrent():
+            return
+    raise RunError(
+        "this machine cannot draw off screen: OpenGL is missing; install Mesa (apt install libegl1)"
+    )
+
+
+def _loads(library: str) -> bool:
+    """Whether a shared library is there."""
+    try:
+        ctypes.CDLL(library)
+    except OSError:
+        return False
+    return True

@@ -9,7 +9,7 @@ class EulerianSettings:
 
     Attributes:
         viscosity: ``"monaghan"``, ``"balsara"`` or ``"morris"``.
-        alpha: Linear coefficient of the artificial viscosity (start value for ``"morris"``).
+        alpha: Linear coefficient of the artificial viscosity; the switch scales it (``"morris"``: from 0.1 upwards).
         beta: Quadratic coefficient.
         correction: Mixed kernel-and-gradient correction (section 2).
         gradient_ratio: ``Cf`` of the correction's limiter.
@@ -30,7 +30,7 @@ def _variants() -> dict[str, EulerianSettings]:
         "sav1": ("monaghan", 1.0, 2.0),
         "sav2": ("monaghan", 2.5, 2.5),
         "bal": ("balsara", 1.0, 2.0),
-        "mon": ("morris", 0.1, 0.2),
+        "mon": ("morris", 1.0, 2.0),
     }
     table = {}
     for name, viscosity in viscosities.items():

@@ -1,0 +1,126 @@
+"""The benchmark: its figures are plausible, a peer takes its turns, and the report lands between the markers."""
+
+import json
+import shlex
+import sys
+
+import pytest
+
+from warpsph import bench, report
+from warpsph.errors import InputError, RunError
+from warpsph.stopwatch import REST, ROWS, kernel_times, short_name
+
+FACTS = {"code": "Other", "version": "1.0", "ns_per_particle_step": 1000.0, "threads": 1, "particles": 42}
+
+
+def command(code: str) -> str:
+    """A command that runs a line of Python."""
+    return f"{sys.executable} -c {shlex.quote(code)}"
+
+
+PEER = command(f"print('chatter'); print({json.dumps(json.dumps(FACTS))})")
+
+
+@pytest.fixture
+def coarse(monkeypatch):
+    """The two-dimensional case with few particles and steps."""
+    scene = bench.impact_2d(1000)
+    monkeypatch.setattr(bench, "impact_2d", lambda particles=None: scene)
+    monkeypatch.setattr(bench, "WARM_UP", 3)
+    monkeypatch.setattr(bench, "STEPS", 6)
+    monkeypatch.setattr(bench, "PRECISIONS", ("float64",))
+    return scene
+
+
+@pytest.fixture
+def page(tmp_path, monkeypatch):
+    """A page of benchmarks in a checkout of its own."""
+    (tmp_path / "docs").mkdir()
+    path = tmp_path / "docs" / "benchmarks.md"
+    path.write_text("before\n<!-- begin cpu -->\nold\n<!-- end cpu -->\nafter\n")
+    monkeypatch.setattr(report, "checkout", lambda: tmp_path)
+    return path
+
+
+def test_report_with_a_peer(coarse, page):
+    text = bench.bench("cpu", peers=[PEER], repeats=2)
+    written = page.read_text()
+    assert written.startswith("before\n<!-- begin cpu -->\n- date: ") and written.endswith(
+        "<!-- end cpu -->\nafter\n"
+    )
+    assert "old" not in written
+    for name in ("momentum", "velocity_gradient", "constitutive", ROWS, "Other 1.0", "times faster"):
+        assert name in text and name in written
+
+
+def test_figures_are_plausible(coarse):
+    data, variant = coarse.finalize(), bench.Variant("cpu", "float64", 1)
+    (row,) = bench._in_turn("2D impact", data, [variant], [], 3, lambda text: None)
+    assert len(row.ns) == 3 and 10.0 < min(row.ns) < 1e6
+    assert bench.STEPS <= row.steps and 15.0 < row.neighbours < 25.0
+    whole = bench._whole("2D impact", coarse_end(coarse), variant, lambda text: None)
+    assert whole.steps > row.steps and len(whole.cells()) == len(bench.HEADER)
+
+
+def coarse_end(scene):
+    """The scene's data with a short end time."""
+    scene.until = 4e-7
+    return scene.finalize()
+
+
+def test_peer_is_compared_with_as_many_threads():
+    rows = [
+        bench.Series("2D impact", "w", bench.Variant("cpu", "float64", n), 42, ns=[250.0 * n]) for n in (1, 2)
+    ]
+    peer = bench.Peer(PEER)
+    peer.measure()
+    (only,) = bench._comparison([peer], rows)
+    assert only[-1] == "4.00" and len(only) == len(bench.PEER_HEADER)
+
+
+@pytest.mark.parametrize(
+    ("peer", "error", "message"),
+    [
+        ("no-such-program", InputError, "cannot be run: No such file"),
+        ("", InputError, "cannot be run"),
+        ("python 'open", InputError, "cannot be run: No closing quotation"),
+        (command("print('hello')"), InputError, "printed 'hello' last; allowed: one line of JSON"),
+        (command("print({})"), InputError, "printed '{}' last"),
+        (command("raise SystemExit('out of paper')"), RunError, "failed with exit code 1: out of paper"),
+    ],
+)
+def test_peer_that_does_not_do(peer, error, message):
+    with pytest.raises(error, match=message):
+        bench.Peer(peer).measure()
+
+
+@pytest.mark.parametrize("arguments", [{"repeats": 0}, {"size": 10}])
+def test_bad_arguments(arguments):
+    with pytest.raises(InputError, match="is not allowed; allowed: "):
+        bench.bench("cpu", **arguments)
+
+
+@pytest.mark.parametrize(("scene", "dim"), [(bench.impact_2d, 2), (bench.impact_3d, 3)])
+def test_sizes_are_about_as_asked(scene, dim):
+    data = scene(20_000).finalize()
+    assert data.dim == dim and 0.8 < len(data.x) / 20_000 < 1.2
+
+
+def test_stopwatch_leaves_the_solver_as_it_was(coarse):
+    solver = bench.Variant("cpu", "float64", 1).solver(coarse.finalize())
+    spent = kernel_times(solver, lambda: bench._advance(solver, 6))
+    assert {"momentum", "kick", "drift", "decide", REST} <= set(spent)
+    assert all(seconds >= 0.0 for name, seconds in spent.items() if name != REST)
+    assert "execute" not in vars(solver.launcher) and "build" not in vars(solver.neighbours)
+
+
+def test_kernels_have_short_names():
+    assert short_name("forward kernel make_momentum__locals__momentum") == "momentum"
+    assert short_name("fill") == "fill"
+
+
+def test_report_needs_its_markers(tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text("<!-- end cpu --> <!-- begin cpu -->")
+    with pytest.raises(InputError, match="has no place for the report"):
+        report.write_section(page, "cpu", "text")

@@ -1,0 +1,162 @@
+"""Runs that cannot go on say which particle is to blame; runs that are interrupted end in good order."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tools import collision
+
+from warpsph import checkpoint, cli, history, snapshot
+from warpsph.errors import RunError
+from warpsph.solver import Solver
+
+MICRO = 1e-6
+
+
+def poke(solver, particle, name, value):
+    """Overwrite a field of one particle."""
+    array = getattr(solver.particles, name)
+    values = array.numpy().copy()
+    values[np.flatnonzero(solver.particles.id.numpy() == particle)[0]] = value
+    array.assign(values)
+
+
+@pytest.fixture
+def solver():
+    solver = Solver(collision(speed=1000.0).finalize())
+    solver.advance(0.5 * MICRO)
+    return solver
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "cause"),
+    [
+        ("v", (np.nan, 0.0, 0.0), "velocity not finite"),
+        ("x", (0.0, np.inf, 0.0), "position not finite"),
+        ("rho", np.nan, "density not finite"),
+        ("e", np.inf, "energy not finite"),
+    ],
+)
+def test_a_state_that_is_not_finite_stops_the_run(solver, name, value, cause):
+    steps, at = solver.reading.steps, solver.data.x[70] + [0.0, 0.0, 0.0]
+    poke(solver, 70, name, value)
+    with pytest.raises(RunError) as stopped:
+        solver.advance(4 * MICRO)
+    assert f"particle 70 of body 'right' (material 'aluminium') at ({at[0]:.3g}"[:-2] in str(stopped.value) or name == "x"
+    assert cause in str(stopped.value) and "particle 70 of body 'right' (material 'aluminium') at (" in str(stopped.value)
+    assert "\n" not in str(stopped.value)
+    assert solver.reading.steps == steps, "nothing was stepped on with it"
+
+
+def test_a_collapsing_time_step_stops_the_run(solver):
+    poke(solver, 3, "e", 1e26)  # a particle that explodes
+    with pytest.raises(RunError, match=r"particle 3 of body 'left' .*at \(.*\) m: time step collapsed to .* s"):
+        solver.advance(4 * MICRO)
+
+
+@pytest.mark.parametrize("energy", [1e308, 1e200])
+def test_a_scene_beyond_all_numbers_stops_at_once(energy):
+    """Its sound speed overflows: the first time step is zero or nearly so, and the run must not go on for ever."""
+    made = collision()
+    made.bodies["left"].__dict__["internal_energy"] = energy
+    solver, batches = Solver(made.finalize()), iter(range(200))
+
+    def give_up(_):
+        return next(batches, None) is None
+
+    with pytest.raises(RunError, match="body 'left'"):
+        solver.advance(MICRO, give_up)
+
+
+SCENE = '''
+"""Two balls."""
+from warpsph.scene import Scene
+from warpsph.shapes import Disc
+
+
+def build(until: float = 3e-6) -> Scene:
+    """Build it."""
+    scene = Scene("balls", dim=2, spacing=1e-3, until=until, snapshots=6)
+    scene.add_body("left", Disc(4.5e-3, (-5e-3, 0.0)), "aluminium", velocity=(1000.0, 0.0))
+    scene.add_body("right", Disc(4.5e-3, (5e-3, 2e-3)), "aluminium")
+    return scene
+
+
+if __name__ == "__main__":
+    import warpsph.cli
+
+    warpsph.cli.run_file(__file__)
+'''
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder with a scene, to work in."""
+    monkeypatch.chdir(tmp_path)
+    Path("balls.py").write_text(SCENE.replace("until: float = 3e-6", "").replace("until=until", "until=3e-6"))
+    return tmp_path
+
+
+def command(*tokens):
+    """Exit code of a command line."""
+    with pytest.raises(SystemExit) as ended:
+        cli.main(tokens)
+    return ended.value.code
+
+
+def test_the_command_line_tells_the_failure_and_keeps_the_last_snapshot(folder, monkeypatch, capsys):
+    advance = Solver.advance
+
+    def spoiled(self, t_stop, on_batch=None):
+        if t_stop > 1.2 * MICRO:
+            poke(self, 9, "v", np.nan)
+        advance(self, t_stop, on_batch)
+
+    monkeypatch.setattr(Solver, "advance", spoiled)
+    assert command("run", "balls.py", "--out", "out", "--no-frames") == 3
+    err = capsys.readouterr().err
+    assert "particle 9 of body 'left'" in err and "velocity not finite" in err
+    last = snapshot.find(folder / "out")[-1]
+    assert str(last.relative_to(folder)) in err
+    assert np.isnan(snapshot.read(last).v[9]).all() and snapshot.read(last).time > 0.9 * MICRO
+    summary = json.loads(Path("out/summary.json").read_text())
+    assert "particle 9" in summary["warnings"][0]
+    assert np.isfinite(checkpoint.load(folder / "out/checkpoint.h5")[0]["v"]).all(), "one can go on from before"
+
+
+def test_ctrl_c_ends_in_good_order(folder, capsys):
+    source = Path("balls.py").read_text().replace("until=3e-6", "until=3e-3")  # longer than anyone waits
+    Path("long.py").write_text(source)
+    out = folder / "out"
+    process = subprocess.Popen(
+        [sys.executable, "long.py", "--out", str(out), "--no-frames", "--threads", "1"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    try:
+        table, deadline = out / "history.csv", time.monotonic() + 120.0
+        while not (table.exists() and table.read_text().count("\n") > 3):
+            assert process.poll() is None and time.monotonic() < deadline, "it never got going"
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        shown = process.communicate(timeout=60.0)
+    finally:
+        process.kill()
+        process.wait()
+    assert process.returncode == 130, shown
+    assert "interrupted" in shown[1] and "Traceback" not in shown[1]
+    info, last = checkpoint.load(out / "checkpoint.h5")[1], snapshot.find(out)[-1]
+    assert info["time"] == snapshot.time(last) > 0.0
+    assert json.loads((out / "summary.json").read_text())["time"] == info["time"]
+
+    until = info["time"] + 2 * MICRO
+    assert command("resume", str(out), "--until", str(until), "--no-frames") == 0
+    assert json.loads((out / "summary.json").read_text())["time"] == until
+    assert snapshot.time(snapshot.find(out)[-1]) == until
+    times = history.read(table)[2]["time"]
+    assert (np.diff(times) > 0.0).all() and times[-1] == until
+    capsys.readouterr()

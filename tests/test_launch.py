@@ -1,0 +1,121 @@
+"""The launcher: binds by name, refuses what does not fit, and cuts launches into slices that cover them."""
+
+import threading
+
+import numpy as np
+import pytest
+import warp as wp
+from tools import DOUBLE, PLASTIC
+
+from warpsph.errors import InputError
+from warpsph.kernels.constitutive import make_constitutive
+from warpsph.kernels.spec import Spec
+from warpsph.launch import SMALLEST_SLICE, Launcher
+from warpsph.materials import pack
+
+SINGLE = {dim: Spec(dim, wp.float32) for dim in DOUBLE}
+
+
+@wp.kernel(module="unique", enable_backward=False)
+def scale(offset: wp.int32, factor: wp.float64, source: wp.array[wp.float64], target: wp.array[wp.float64]):
+    i = wp.tid() + offset
+    target[i] = factor * source[i]
+
+
+@wp.kernel(module="unique", enable_backward=False)
+def count(offset: wp.int32, grid: wp.uint64, x: wp.array[wp.vec3d], number: wp.array[wp.int32]):
+    i = wp.tid() + offset
+    n = wp.int32(0)
+    for _j in wp.hash_grid_query(grid, x[i], wp.float64(1.0)):
+        n += 1
+    number[i] = n
+
+
+class Holder:
+    """Anything with attributes supplies arguments."""
+
+    def __init__(self, **values):
+        vars(self).update(values)
+
+
+def numbers(n, dtype=wp.float64):
+    return wp.array(np.arange(n), dtype=dtype, device="cpu")
+
+
+@pytest.mark.parametrize("threads", [1, 2, 5])
+@pytest.mark.parametrize("n", [1, SMALLEST_SLICE, 4 * SMALLEST_SLICE + 3])
+def test_every_index_is_done_once(threads, n):
+    target = wp.zeros(n, dtype=wp.float64, device="cpu")
+    Launcher("cpu", threads).launch(scale, n, Holder(source=numbers(n), target=target), factor=2.0)
+    np.testing.assert_array_equal(target.numpy(), 2.0 * np.arange(n))
+
+
+def test_the_first_source_wins_and_names_win_over_sources():
+    target = wp.zeros(3, dtype=wp.float64, device="cpu")
+    first, second = Holder(factor=3.0, target=target), Holder(factor=4.0, source=numbers(3))
+    launcher = Launcher("cpu", 1)
+    launcher.launch(scale, 3, first, second)
+    np.testing.assert_array_equal(target.numpy(), [0.0, 3.0, 6.0])
+    launcher.launch(scale, 3, first, second, factor=5.0)
+    np.testing.assert_array_equal(target.numpy(), [0.0, 5.0, 10.0])
+
+
+def test_a_command_reads_its_arrays_when_it_runs():
+    source, target = numbers(3), wp.zeros(3, dtype=wp.float64, device="cpu")
+    command = Launcher("cpu", 1).bind(scale, 3, source=source, target=target, factor=1.0)
+    source.fill_(7.0)
+    command()
+    np.testing.assert_array_equal(target.numpy(), 7.0)
+
+
+def test_a_missing_argument_is_refused():
+    with pytest.raises(TypeError, match="'source'"):
+        Launcher("cpu", 1).bind(scale, 3, target=numbers(3), factor=1.0)
+
+
+@pytest.mark.parametrize("dtype", [wp.float32, wp.vec3d, wp.int32])
+def test_an_array_of_another_type_is_refused(dtype):
+    source = wp.zeros(3, dtype=dtype, device="cpu")
+    with pytest.raises(TypeError, match="'source'"):
+        Launcher("cpu", 1).bind(scale, 3, source=source, target=numbers(3), factor=1.0)
+
+
+def test_a_hash_grid_of_another_precision_is_refused():
+    x = wp.zeros(4, dtype=wp.vec3d, device="cpu")
+    number = wp.zeros(4, dtype=wp.int32, device="cpu")
+    with wp.ScopedDevice("cpu"):
+        wrong, right = (wp.HashGrid(4, 4, 4, dtype=dtype) for dtype in (wp.float32, wp.float64))
+    right.build(x, 1.0)
+    with pytest.raises(TypeError, match="'grid'"):
+        Launcher("cpu", 1).bind(count, 4, x=x, number=number, grid=wrong)
+    Launcher("cpu", 1).launch(count, 4, x=x, number=number, grid=right)
+    np.testing.assert_array_equal(number.numpy(), 4)
+
+
+def test_a_material_table_of_another_precision_is_refused():
+    kernel, n = make_constitutive(DOUBLE[3], False), 2
+    kinds = {"dvdx": DOUBLE[3].mat, "tau": DOUBLE[3].mat, "sig": DOUBLE[3].mat, "mat": wp.int32, "clipped": wp.int32}
+    names = [arg.label for arg in kernel.adj.args][1:]
+    arrays = {name: wp.zeros(n, dtype=kinds.get(name, wp.float64), device="cpu") for name in names}
+    Launcher("cpu", 1).bind(kernel, n, **(arrays | {"materials": pack([PLASTIC], DOUBLE[3], "cpu")}))
+    with pytest.raises(TypeError, match="'materials'"):
+        Launcher("cpu", 1).bind(kernel, n, **(arrays | {"materials": pack([PLASTIC], SINGLE[3], "cpu")}))
+
+
+@pytest.mark.parametrize("threads", [0, -1])
+def test_too_few_threads_are_refused(threads):
+    with pytest.raises(InputError, match=f"threads = {threads}"):
+        Launcher("cpu", threads)
+
+
+@pytest.mark.parametrize("device", ["cuda:99", "gpu", ""])
+def test_an_unknown_device_is_refused(device):
+    with pytest.raises(InputError, match="does not exist here; allowed: cpu"):
+        Launcher(device)
+
+
+def test_a_launcher_of_one_thread_starts_none():
+    before = threading.active_count()
+    n = 4 * SMALLEST_SLICE
+    Launcher("cpu", 1).launch(scale, n, source=numbers(n), target=numbers(n), factor=1.0)
+    assert threading.active_count() == before

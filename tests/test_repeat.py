@@ -1,0 +1,130 @@
+"""Repeatability: run twice, on another number of threads, or with a stop in between, and get the same bits."""
+
+import numpy as np
+import pytest
+from tools import SPACING, by_id, collision, run
+
+from warpsph import checkpoint, history, snapshot
+from warpsph.fields import FIELDS
+from warpsph.launch import SMALLEST_SLICE
+from warpsph.progress import Progress
+from warpsph.run import resume
+from warpsph.run import run as run_scene
+from warpsph.solver import Solver
+
+SCENE = '''
+"""Two balls."""
+from warpsph.config import Numerics
+from warpsph.scene import Scene
+from warpsph.shapes import Disc
+
+
+def build(spacing: float = 1e-3) -> Scene:
+    """Build it.
+
+    Args:
+        spacing: Particle spacing [m].
+    """
+    scene = Scene("balls", dim=2, spacing=spacing, until=6e-6, snapshots=4, numerics=Numerics(scheme="mon-mixed-as"))
+    scene.add_body("left", Disc(4.5e-3, (-5e-3, 0.0)), "aluminium", velocity=(1000.0, 0.0))
+    scene.add_body("right", Disc(4.5e-3, (5e-3, 2e-3)), "aluminium")
+    scene.add_measure("front", lambda state: state.x[:, 0].max(), "m")
+    return scene
+'''
+
+
+def assert_same(one, two):
+    for f in FIELDS:
+        np.testing.assert_array_equal(by_id(one, f.name), by_id(two, f.name), err_msg=f.name)
+
+
+@pytest.mark.parametrize("precision", ["float64", "float32"])
+def test_any_number_of_threads_gives_the_same_bits(precision):
+    made = collision(radius=26, scheme="mon-mixed-as", speed=1000.0)
+    assert len(made) > 6 * SMALLEST_SLICE, "launches are cut"
+    first, again, single = (run(made, 2e-6, precision=precision, threads=k) for k in (2, 2, 1))
+    assert first.reading.steps > 15 and first.neighbours.builds > 2
+    assert_same(first, again)
+    assert_same(first, single)
+    assert first.ledger() == single.ledger()
+
+
+def test_how_steps_are_batched_changes_nothing(monkeypatch):
+    made, time = collision(speed=1000.0), 4e-6
+    batched = run(made, time)
+    monkeypatch.setattr("warpsph.solver.MAX_BATCH", 1)
+    assert_same(batched, run(made, time))
+
+
+def test_what_is_saved_stays():
+    """On a CPU the device's arrays can be seen from the host: what is saved must be a copy."""
+    solver = run(collision(speed=1000.0), 1e-6)
+    arrays, _ = solver.save()
+    before = {name: array.copy() for name, array in arrays.items()}
+    solver.advance(2e-6)
+    for name, array in arrays.items():
+        np.testing.assert_array_equal(array, before[name], err_msg=name)
+
+
+def test_a_restart_gives_the_same_bits(tmp_path):
+    made = collision(scheme="mon-mixed-as", speed=1000.0)
+    straight = run(made, 2e-6)
+    checkpoint.save(tmp_path / "checkpoint.h5", *straight.save())
+    straight.relist()
+    straight.advance(5e-6)
+    restarted = Solver(made.finalize())
+    restarted.restore(*checkpoint.load(tmp_path / "checkpoint.h5"))
+    restarted.relist()
+    restarted.advance(5e-6)
+    assert restarted.neighbours.builds == straight.neighbours.builds
+    assert restarted.reading == straight.reading
+    assert_same(straight, restarted)
+
+
+class Crash(Progress):
+    """Stops the program at a time, without any ending."""
+
+    def __init__(self, time):
+        super().__init__()
+        self.time = time
+
+    def update(self, **values):
+        if values["time"] > self.time:
+            raise MemoryError
+
+
+def test_a_run_that_crashed_goes_on_as_if_it_had_not(tmp_path):
+    """It goes on from the checkpoint of the last snapshot: every file then holds what the straight run's does."""
+    (tmp_path / "balls.py").write_text(SCENE)
+    from warpsph.library import load
+
+    options = {"frames": False, "source": SCENE, "parameters": {"spacing": SPACING}}
+    build = load(tmp_path / "balls.py").build
+    straight, broken = tmp_path / "straight", tmp_path / "broken"
+    expected = run_scene(build(), straight, **options)
+    with pytest.raises(MemoryError):
+        run_scene(build(), broken, progress=Crash(3.5e-6), **options)
+    assert len(snapshot.find(broken)) == 3
+    found = resume(broken, frames=False)
+    for one, two in zip(snapshot.find(straight), snapshot.find(broken), strict=True):
+        for name, values in snapshot.read(one).fields.items():
+            np.testing.assert_array_equal(values, snapshot.read(two).fields[name], err_msg=f"{two.name} {name}")
+    (arrays, info), (others, other) = (checkpoint.load(out / "checkpoint.h5") for out in (straight, broken))
+    for name in arrays:
+        np.testing.assert_array_equal(arrays[name], others[name], err_msg=name)
+    assert {**info, "wall": 0, "step_wall": 0} == {**other, "wall": 0, "step_wall": 0}
+    assert (straight / "history.csv").read_text() == (broken / "history.csv").read_text()
+    assert len(history.read(broken / "history.csv")[2]["time"]) > 20
+    timings = ("wall_s", "step_wall_s", "ns_per_particle_step", "ns_per_pair")
+    assert {k: v for k, v in found.items() if k not in timings} == {
+        k: v for k, v in expected.items() if k not in timings
+    }
+
+
+def test_single_precision_agrees_with_double():
+    made, time = collision(scheme="sav1-mixed-as", speed=1000.0), 3e-6
+    double, single = (run(made, time, precision=precision) for precision in ("float64", "float32"))
+    assert abs(single.reading.steps - double.reading.steps) <= 1
+    for name, scale in (("x", SPACING), ("v", 1000.0), ("rho", 2785.0), ("e", 5e5), ("p", 1e10), ("tau", 1e9)):
+        error = np.abs(by_id(single, name) - by_id(double, name))
+        assert error.max() < 1e-2 * scale and error.mean() < 1e-4 * scale, name

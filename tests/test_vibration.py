@@ -1,0 +1,64 @@
+"""A free elastic bar vibrates without artificial viscosity: amplitude and frequency stay what they are."""
+
+import math
+
+import numpy as np
+import pytest
+from tools import ELASTIC, SPACING, scene
+
+from warpsph.balance import energy
+from warpsph.schemes import SCHEMES, EulerianSettings
+from warpsph.shapes import Box
+from warpsph.solver import Solver
+
+N, PERIODS = 12, 100
+
+
+def bar(correction, monkeypatch):
+    """A free bar that starts in its first mode, without viscosity."""
+    monkeypatch.setitem(SCHEMES, "inviscid", EulerianSettings("monaghan", 0.0, 0.0, correction=correction))
+    monkeypatch.setattr("warpsph.solver.MAX_BATCH", 4)  # steps between two looks at it
+    made = scene(1, scheme="inviscid")
+    speed, length = 1e-4 * ELASTIC.longitudinal_speed, N * SPACING
+    made.add_body("bar", Box(0.0, length), ELASTIC, velocity=lambda x: speed * np.cos(math.pi * x / length) * [1, 0, 0])
+    return Solver(made.finalize())
+
+
+def watch(solver, until):
+    """Times and the share of the first mode in the velocity, at steps of equal length."""
+    start, times, mode = solver.data.v[:, 0], [], []
+
+    def look(now):
+        v = solver.particles.v.numpy()[np.argsort(solver.particles.id.numpy()), 0]
+        times.append(now.time)
+        mode.append(v @ start / (start @ start))
+
+    solver.advance(until, look)
+    return np.array(times), np.array(mode)
+
+
+def period_of(times, mode):
+    """Mean time between every second change of sign."""
+    k = np.flatnonzero(mode[1:] * mode[:-1] < 0.0)
+    zeros = times[k] + (times[k + 1] - times[k]) * mode[k] / (mode[k] - mode[k + 1])
+    return 2.0 * (zeros[-1] - zeros[0]) / (len(zeros) - 1)
+
+
+def amplitude(times, mode, period):
+    """Amplitude of the oscillation of a given period that fits best."""
+    phase = 2.0 * np.pi * times / period
+    return np.hypot(*np.linalg.lstsq(np.stack([np.cos(phase), np.sin(phase)], axis=1), mode, rcond=None)[0])
+
+
+@pytest.mark.parametrize("correction", [False, True])
+def test_a_free_bar_vibrates_for_a_hundred_periods(correction, monkeypatch):
+    solver = bar(correction, monkeypatch)
+    start, theory = solver.ledger(), 2.0 * N * SPACING / ELASTIC.longitudinal_speed
+    times, mode = watch(solver, PERIODS * theory)
+    assert period_of(times, mode) == pytest.approx(theory, rel=0.03)
+    for window in np.array_split(np.arange(len(times)), 10):
+        own = period_of(times[window], mode[window])
+        assert amplitude(times[window], mode[window], own) == pytest.approx(1.0, abs=0.02)
+    now = solver.ledger()
+    assert energy(now) == pytest.approx(energy(start), rel=1e-12)
+    assert abs(now["momentum_x"]) < 1e-12 * np.abs(solver.data.m * solver.data.v[:, 0]).sum()

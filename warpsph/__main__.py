@@ -1,0 +1,5 @@
+"""``python -m warpsph``: the command line."""
+
+from .cli import main
+
+main()
