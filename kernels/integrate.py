@@ -7,7 +7,6 @@ import warp as wp
 
 from .spec import Spec
 
-
 TINY_SPEED = 1.0e-15
 """Single precision: speeds [m/s] below this, and energies below its square [J/kg], are set to zero. Ahead of a wave
 they shrink from step to step until they are denormal numbers, with which a CPU is ten times slower."""

@@ -55,6 +55,7 @@ def make_mirror(s: Spec, planes: bool) -> Mirror:
             return T
 
     else:
+
         @wp.func
         def bit(entry: wp.int32, axis: wp.int32):
             if (entry >> (INDEX_BITS + axis)) & 1 == 1:

@@ -75,9 +75,9 @@ def make_neighbours(s: Spec, planes: bool) -> NeighbourKernels:
         # out:
         room: wp.array[wp.int32],
     ):
-        """Give every row a quarter more than it needs now, and `SLACK` places."""
+        """Give every row half as much again as it needs now, and `SLACK` places."""
         i = wp.tid() + offset
-        room[i] = n_neigh[i] + n_neigh[i] / 4 + slack
+        room[i] = n_neigh[i] + n_neigh[i] / 2 + slack
 
     @wp.kernel(module=module)
     def cell_order(

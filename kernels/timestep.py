@@ -8,9 +8,9 @@ import warp as wp
 from .spec import Spec
 
 RUNNING, DONE, STALE, COLLAPSED, NON_FINITE = 0, 1, 2, 3, 4
-"""What the device says of the next step: take it; t_stop reached; the neighbour rows no longer cover every
-pair; the step fell below its floor; a particle's state is not finite. A step is taken only when RUNNING:
-otherwise dt = 0 and every kernel returns at once."""
+"""The device's verdict on the next step, given at the end of each: take it; t_stop reached; the neighbour rows no
+longer cover every pair; the step fell below its floor; a particle's state is not finite. A step is taken only when
+RUNNING: otherwise dt = 0 and every kernel returns at once."""
 
 FLOOR = 1.0e-6
 """A step below this share of the first one stops the run."""
@@ -93,21 +93,30 @@ def make_timestep(s: Spec) -> TimestepKernels:
         clock: wp.array[wp.float64],
         count: wp.array[wp.int32],
     ):
-        """Set dt [s] and advance the clock.
+        """Close the step that was taken, and set dt [s] of the next one.
 
         clock = [time, t_stop, dt, smallest dt, largest dt, first dt, wear]; count = [status, steps].
+        The last step before t_stop hits it exactly, and the one before is halved rather than leaving a sliver.
         """
         smallest, worn = real(1.0e30), real(0.0)
         for k in range(offset, block_dt.shape[0]):
             smallest = wp.min(smallest, block_dt[k])
         for t in range(n_tiles[0]):
             worn = wp.max(worn, tile_wear[t])
+        if dt[0] > zero:
+            taken = clock[2]
+            clock[0] = clock[0] + taken
+            if clock[1] - clock[0] < wp.float64(1.0e-6) * taken:
+                clock[0] = clock[1]
+            clock[3] = wp.min(clock[3], taken)
+            clock[4] = wp.max(clock[4], taken)
+            count[1] = count[1] + 1
         step = wp.float64(smallest)
         left = clock[1] - clock[0]
         status = wp.int32(RUNNING)
         if smallest < zero:
             status = wp.int32(NON_FINITE)
-        elif step < floor * clock[5]:
+        elif step <= floor * clock[5]:
             status = wp.int32(COLLAPSED)
         elif left <= wp.float64(0.0):
             status = wp.int32(DONE)
@@ -119,17 +128,11 @@ def make_timestep(s: Spec) -> TimestepKernels:
         if status == RUNNING:
             if clock[5] == wp.float64(0.0):
                 clock[5] = step
-            clock[3] = wp.min(clock[3], step)
-            clock[4] = wp.max(clock[4], step)
             if step >= left:
                 step = left
-                clock[0] = clock[1]
-            else:
-                if step > wp.float64(0.5) * left:
-                    step = wp.float64(0.5) * left
-                clock[0] = clock[0] + step
+            elif step > wp.float64(0.5) * left:
+                step = wp.float64(0.5) * left
             clock[2] = step
             dt[0] = real(step)
-            count[1] = count[1] + 1
 
     return TimestepKernels(local, decide)

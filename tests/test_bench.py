@@ -8,6 +8,7 @@ import pytest
 
 from warpsph import bench, report
 from warpsph.errors import InputError, RunError
+from warpsph.peer import Peer
 from warpsph.stopwatch import REST, ROWS, kernel_times, short_name
 
 FACTS = {"code": "Other", "version": "1.0", "ns_per_particle_step": 1000.0, "threads": 1, "particles": 42}
@@ -62,6 +63,12 @@ def test_figures_are_plausible(coarse):
     assert whole.steps > row.steps and len(whole.cells()) == len(bench.HEADER)
 
 
+def test_whole_time_is_compared_too(coarse, page):
+    coarse.until = 4e-7
+    text = bench.bench("cpu", peers=[PEER], repeats=1, full=True)
+    assert text.count("all 0.4 µs") >= 2 and text.count("Other 1.0") == 2
+
+
 def coarse_end(scene):
     """The scene's data with a short end time."""
     scene.until = 4e-7
@@ -72,7 +79,7 @@ def test_peer_is_compared_with_as_many_threads():
     rows = [
         bench.Series("2D impact", "w", bench.Variant("cpu", "float64", n), 42, ns=[250.0 * n]) for n in (1, 2)
     ]
-    peer = bench.Peer(PEER)
+    peer = Peer(PEER)
     peer.measure()
     (only,) = bench._comparison([peer], rows)
     assert only[-1] == "4.00" and len(only) == len(bench.PEER_HEADER)
@@ -91,7 +98,7 @@ def test_peer_is_compared_with_as_many_threads():
 )
 def test_peer_that_does_not_do(peer, error, message):
     with pytest.raises(error, match=message):
-        bench.Peer(peer).measure()
+        Peer(peer).measure()
 
 
 @pytest.mark.parametrize("arguments", [{"repeats": 0}, {"size": 10}])

@@ -28,7 +28,11 @@ def deform(L, dt, steps, dim=3, plane_stress=False, material=ELASTIC, tau=None, 
     for _ in range(steps):
         rate = L(state["sig"][0] / state["thickness"][0]) if callable(L) else L
         state = launch(
-            kernel, 1, spec, materials=pack([material], spec, "cpu"), **(state | {"dvdx": np.array(rate)[None]})
+            kernel,
+            1,
+            spec,
+            materials=pack([material], spec, "cpu"),
+            **(state | {"dvdx": np.array(rate)[None]}),
         )
     return {name: values[0] for name, values in state.items()}
 
@@ -53,7 +57,9 @@ def test_a_full_turn_brings_the_stress_back():
             found = np.trace(np.linalg.matrix_power(state["tau"], power))
             assert found == pytest.approx(invariant, rel=1e-11, abs=1e-11 * 1e9**power)
         assert (state["rho"], state["e"], state["ep"], state["p"]) == (DENSITY, 7.0, 0.0, 0.0)
-    turn = np.outer(axis, axis) + np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    turn = np.outer(axis, axis) + np.array(
+        [[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]]
+    )
     size = np.abs(tau).max()
     np.testing.assert_allclose(quarter["tau"], turn @ tau @ turn.T, atol=1e-5 * size)
     np.testing.assert_allclose(whole["tau"], tau, atol=1e-5 * size)
@@ -73,7 +79,9 @@ def test_a_rotating_frame_sees_the_same_stress():
         return rate * np.outer(n, n) + angle * np.array([[0, -1, 0], [1, 0, 0], [0, 0, 0]], dtype=float)
 
     np.testing.assert_allclose(
-        deform(turning, 1.0 / steps, steps)["tau"], turn @ still @ turn.T, atol=angle / steps * np.abs(still).max()
+        deform(turning, 1.0 / steps, steps)["tau"],
+        turn @ still @ turn.T,
+        atol=angle / steps * np.abs(still).max(),
     )
 
 
@@ -85,7 +93,9 @@ def test_uniform_motion_gives_nothing(scheme):
     assert solver.reading.steps > 3
     for name in ("tau", "p", "e", "dvdt", "dvdx", "ep"):
         np.testing.assert_array_equal(by_id(solver, name), 0.0)
-    np.testing.assert_allclose(by_id(solver, "x") - x, np.broadcast_to([1.2345e-3, -0.6789e-3, 0], x.shape), atol=1e-15)
+    np.testing.assert_allclose(
+        by_id(solver, "x") - x, np.broadcast_to([1.2345e-3, -0.6789e-3, 0], x.shape), atol=1e-15
+    )
 
 
 def test_uniaxial_strain_has_the_longitudinal_modulus():

@@ -89,7 +89,9 @@ def few(dim, kind):
     return [SPACING * points for points in sets]
 
 
-@pytest.mark.parametrize(("dim", "kind"), [(1, "axis"), (2, "axis"), (2, "oblique"), (3, "axis"), (3, "oblique")])
+@pytest.mark.parametrize(
+    ("dim", "kind"), [(1, "axis"), (2, "axis"), (2, "oblique"), (3, "axis"), (3, "oblique")]
+)
 def test_too_few_neighbours_fall_back_to_the_plain_gradient(dim, kind, correct):
     rng = np.random.default_rng(3)
     for points in few(dim, kind):

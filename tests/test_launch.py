@@ -94,7 +94,13 @@ def test_a_hash_grid_of_another_precision_is_refused():
 
 def test_a_material_table_of_another_precision_is_refused():
     kernel, n = make_constitutive(DOUBLE[3], False), 2
-    kinds = {"dvdx": DOUBLE[3].mat, "tau": DOUBLE[3].mat, "sig": DOUBLE[3].mat, "mat": wp.int32, "clipped": wp.int32}
+    kinds = {
+        "dvdx": DOUBLE[3].mat,
+        "tau": DOUBLE[3].mat,
+        "sig": DOUBLE[3].mat,
+        "mat": wp.int32,
+        "clipped": wp.int32,
+    }
     names = [arg.label for arg in kernel.adj.args][1:]
     arrays = {name: wp.zeros(n, dtype=kinds.get(name, wp.float64), device="cpu") for name in names}
     Launcher("cpu", 1).bind(kernel, n, **(arrays | {"materials": pack([PLASTIC], DOUBLE[3], "cpu")}))

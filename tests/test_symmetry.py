@@ -13,7 +13,9 @@ def half(cut, scheme):
     """A block that hits another; ``cut`` at y = 0, by a plane or not at all."""
     made = scene(2, scheme=scheme)
     low = 0.0 if cut else -6 * SPACING
-    made.add_body("left", Box((-8 * SPACING, low / 2), (-SPACING, 3 * SPACING)), MATERIAL, velocity=(500.0, 0.0))
+    made.add_body(
+        "left", Box((-8 * SPACING, low / 2), (-SPACING, 3 * SPACING)), MATERIAL, velocity=(500.0, 0.0)
+    )
     made.add_body("right", Box((0.0, low), (5 * SPACING, 6 * SPACING)), MATERIAL)
     if cut:
         made.add_symmetry_plane("y", 0.0)
@@ -40,6 +42,13 @@ def test_part_of_a_problem_is_the_whole(build, corner, scheme):
         name: np.lexsort(np.round(x / SPACING * 2).astype(int).T)
         for name, x in (("whole", whole.data.x[kept]), ("part", part.data.x))
     }
-    for name, scale in (("x", SPACING), ("v", 500.0), ("rho", 2785.0), ("e", 1e5), ("tau", 1e9), ("dvdx", 1e5)):
+    for name, scale in (
+        ("x", SPACING),
+        ("v", 500.0),
+        ("rho", 2785.0),
+        ("e", 1e5),
+        ("tau", 1e9),
+        ("dvdx", 1e5),
+    ):
         reference, found = by_id(whole, name)[kept][order["whole"]], by_id(part, name)[order["part"]]
         np.testing.assert_allclose(found, reference, atol=1e-11 * scale)

@@ -20,7 +20,9 @@ def bar(correction, monkeypatch):
     monkeypatch.setattr("warpsph.solver.MAX_BATCH", 4)  # steps between two looks at it
     made = scene(1, scheme="inviscid")
     speed, length = 1e-4 * ELASTIC.longitudinal_speed, N * SPACING
-    made.add_body("bar", Box(0.0, length), ELASTIC, velocity=lambda x: speed * np.cos(math.pi * x / length) * [1, 0, 0])
+    made.add_body(
+        "bar", Box(0.0, length), ELASTIC, velocity=lambda x: speed * np.cos(math.pi * x / length) * [1, 0, 0]
+    )
     return Solver(made.finalize())
 
 

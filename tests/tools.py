@@ -81,6 +81,8 @@ def launch(kernel, n, spec, **values):
     for name, value in values.items():
         if isinstance(value, np.ndarray):
             integers = value.dtype.kind == "i"
-            arrays[name] = wp.array(value, dtype=wp.int32 if integers else kinds[value.shape[1:]], device="cpu")
+            arrays[name] = wp.array(
+                value, dtype=wp.int32 if integers else kinds[value.shape[1:]], device="cpu"
+            )
     Launcher("cpu", 1).launch(kernel, n, **(values | arrays))
     return {name: array.numpy() for name, array in arrays.items()}

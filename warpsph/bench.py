@@ -1,18 +1,16 @@
 """What ``warpsph bench`` measures: the step loop alone, beside another code's if you like, and what each kernel costs."""
 
-import json
-import shlex
-import subprocess
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from statistics import median
-from typing import Any
 
 from . import library, report
-from .errors import InputError, RunError
+from .errors import InputError
 from .info import table
 from .launch import find_device
+from .peer import Peer
 from .progress import Progress
 from .scene import Scene, SceneData
 from .shapes import Box, Sphere
@@ -90,47 +88,6 @@ class Series:
         ]  # fmt: skip
 
 
-@dataclass
-class Peer:
-    """Another code's command, which ends its output with one line of JSON.
-
-    Attributes:
-        command: The command.
-        ns: Its ``ns_per_particle_step``, one for each repetition.
-        facts: All that it printed the last time.
-    """
-
-    command: str
-    ns: list[float] = field(default_factory=list)
-    facts: dict[str, Any] = field(default_factory=dict)
-
-    def measure(self) -> None:
-        """Run it once.
-
-        Raises:
-            InputError: There is no such command, or it does not print what is needed.
-            RunError: It failed.
-        """
-        try:
-            done = subprocess.run(shlex.split(self.command), capture_output=True, text=True, check=False)
-        except (OSError, ValueError, IndexError) as error:  # no such file, open quotes, no words
-            why = getattr(error, "strerror", None) or error
-            raise InputError(f"--peer {self.command!r} cannot be run: {why}") from error
-        last = (done.stdout.strip().splitlines() or [""])[-1]
-        if done.returncode:
-            said = (done.stderr.strip().splitlines() or [last])[-1]
-            raise RunError(f"--peer {self.command!r} failed with exit code {done.returncode}: {said}")
-        try:
-            self.facts = json.loads(last)
-            self.ns.append(float(self.facts["ns_per_particle_step"]))
-            self.facts["threads"] = int(self.facts["threads"])
-        except (ValueError, KeyError, TypeError) as error:
-            raise InputError(
-                f"--peer {self.command!r} printed {last[:60]!r} last; allowed: one line of JSON with "
-                "ns_per_particle_step and threads"
-            ) from error
-
-
 def bench(
     device: str = "cpu",
     *,
@@ -146,7 +103,7 @@ def bench(
         device: Where to compute.
         peers: Commands of other codes, measured in turn with ours; each prints one line of JSON last.
         size: Measure an impact in 2D and one in 3D of about so many particles as well.
-        full: Measure the whole 8 µs as well, once.
+        full: Measure the whole 8 µs as well, once with every variant, and the peers again in between.
         repeats: Repetitions of every measurement.
         progress: Where progress goes.
 
@@ -166,15 +123,20 @@ def bench(
     data = impact_2d().finalize()
     variants, others = _variants(device), [Peer(command) for command in peers]
     rows = _in_turn("2D impact", data, variants, others, repeats, say)
+    beside = _comparison(others, rows)
     if full:
-        rows += [_whole("2D impact", data, variant, say) for variant in variants]
+        others = [
+            Peer(command) for command in peers
+        ]  # measured anew: the machine may have got slower meanwhile
+        whole = _whole_in_turn("2D impact", data, variants, others, say)
+        rows, beside = rows + whole, beside + _comparison(others, whole)
     if size is not None:
         for case, scene in (("2D impact", impact_2d(size)), ("3D impact", impact_3d(size))):
             rows += _in_turn(case, scene.finalize(), _variants(device)[-2:], [], repeats, say)
     say("timing every kernel ...")
     tables = [("", HEADER, [row.cells() for row in rows])]
-    if others:
-        tables.append(("Beside other codes", PEER_HEADER, _comparison(others, rows)))
+    if beside:
+        tables.append(("Beside other codes", PEER_HEADER, beside))
     tables.append(("What a step is made of", *_shares(data, variants)))
     _publish(find_device(device).is_cuda, origin, tables)
     return "\n\n".join((f"{title}\n" if title else "") + table(body, head) for title, head, body in tables)
@@ -189,7 +151,7 @@ def impact_2d(particles: int | None = None) -> Scene:
 def impact_3d(particles: int) -> Scene:
     """Build an aluminium sphere that hits an aluminium plate at 3.1 km/s, of about so many particles."""
     radius, half, thickness = 5e-3, 20e-3, 2e-3
-    volume = 4.0 / 3.0 * 3.14159 * radius**3 + 4.0 * half**2 * thickness
+    volume = 4.0 / 3.0 * math.pi * radius**3 + 4.0 * half**2 * thickness
     spacing = (volume / particles) ** (1.0 / 3.0)
     scene = Scene("impact_3d", dim=3, spacing=spacing, until=8e-6)
     ball = Sphere(radius, (-radius - 1.9 * spacing, 0.0, 0.0))
@@ -247,6 +209,18 @@ def _advance(solver: Solver, count: int) -> None:
     solver.advance(float("inf"), lambda now: now.steps >= target)
 
 
+def _whole_in_turn(
+    case: str, data: SceneData, variants: list[Variant], peers: list[Peer], say: Callable[[str], None]
+) -> list[Series]:
+    """Measure a scene from beginning to end with every variant, and every peer after each."""
+    rows = []
+    for variant in variants:
+        rows.append(_whole(case, data, variant, say))
+        for peer in peers:
+            peer.measure()
+    return rows
+
+
 def _whole(case: str, data: SceneData, variant: Variant, say: Callable[[str], None]) -> Series:
     """Measure a scene from beginning to end, once; neighbours are counted ten times in between."""
     say(
@@ -277,21 +251,10 @@ def _comparison(peers: list[Peer], rows: list[Series]) -> list[list[str]]:
     """Each peer beside our float64 figures for the same case and number of threads."""
     out = []
     for peer in peers:
-        facts, theirs = peer.facts, median(peer.ns)
-        name = f"{facts.get('code', shlex.split(peer.command)[0])} {facts.get('version', '')}".strip()
-        head = [
-            name,
-            str(facts.get("particles", "?")),
-            str(facts.get("neighbours", "?")),
-            str(facts["threads"]),
-        ]
-        head += [str(facts.get("steps", "?")), f"{theirs:.4g}", f"{min(peer.ns):.4g}", f"{max(peer.ns):.4g}"]
         for row in rows:
-            same = row.case == rows[0].case and row.particles == rows[0].particles
-            threads = row.variant.threads in (facts["threads"], None)
-            if same and threads and row.variant.precision == "float64":
+            if row.variant.threads in (peer.facts["threads"], None) and row.variant.precision == "float64":
                 ours = median(row.ns)
-                out.append([*head, row.window, f"{ours:.4g}", f"{theirs / ours:.2f}"])
+                out.append([*peer.cells(), row.window, f"{ours:.4g}", f"{median(peer.ns) / ours:.2f}"])
     return out
 
 

@@ -139,9 +139,7 @@ def _hvi_2d() -> Case:
 def _sod() -> Case:
     """Sod's tube, in double precision; the limits on the errors guard what is reached, no paper prints them."""
     limits = {"l1_rho": ("density", 0.01), "l1_v": ("velocity", 0.02), "l1_p": ("pressure", 0.01)}
-    fields = tuple(
-        Figure(k, t, style=".4f", expected=(0.0, limit)) for k, (t, limit) in limits.items()
-    )
+    fields = tuple(Figure(k, t, style=".4f", expected=(0.0, limit)) for k, (t, limit) in limits.items())
     figures = (*fields, ENERGY, MOMENTUM, *COST)
     coarse = tuple(limits)
     rows = tuple(

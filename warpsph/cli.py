@@ -304,9 +304,7 @@ def scenes(name: str | None = None, /) -> None:
     print("\n" + table(rows, ("parameter", "default", "allowed", "")) if rows else "It has no parameters.")
 
 
-def validate(
-    case: str | None = None, /, *, out: Path = Path("runs/validation"), device: str = "cpu"
-) -> None:
+def validate(case: str | None = None, /, *, out: Path = Path("runs/validation"), device: str = "cpu") -> None:
     """Run a validation case and compare its measures with the published ones.
 
     Args:

@@ -2,6 +2,7 @@
 
 import functools
 import inspect
+import itertools
 import os
 from concurrent.futures import ThreadPoolExecutor, wait
 
@@ -9,7 +10,7 @@ import warp as wp
 
 from .errors import InputError
 
-SLICES_PER_THREAD = 4
+SLICES_PER_THREAD = 2
 """A CPU launch is cut into this many slices per thread, taken as they come: uneven rows balance out."""
 
 SMALLEST_SLICE = 512
@@ -81,7 +82,7 @@ class Launcher:
         """Cut a launch of ``dim`` threads into (first, size) pieces."""
         count = 1 if self._pool is None else min(self.threads * SLICES_PER_THREAD, dim // grain)
         edges = [dim * k // max(count, 1) for k in range(max(count, 1) + 1)]
-        return [(a, b - a) for a, b in zip(edges[:-1], edges[1:], strict=True) if b > a]
+        return [(a, b - a) for a, b in itertools.pairwise(edges) if b > a]
 
     def execute(self, slices: list[wp.Launch]) -> None:
         """Run recorded slices, on the pool where there are several."""
@@ -101,7 +102,9 @@ class Launcher:
         for helper in helpers:
             helper.result()
 
-    def bind(self, kernel: wp.Kernel, dim: int, *sources: object, grain: int = SMALLEST_SLICE, **named: object) -> Command:
+    def bind(
+        self, kernel: wp.Kernel, dim: int, *sources: object, grain: int = SMALLEST_SLICE, **named: object
+    ) -> Command:
         """Bind a launch, taking each argument by its name.
 
         A kernel has many arrays of one type in a row, and Warp cannot tell ``rho`` from ``m``. It checks

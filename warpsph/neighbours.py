@@ -41,7 +41,9 @@ class Neighbours:
         generation: Changes when ``neigh`` was reallocated: launches must be bound again.
     """
 
-    def __init__(self, particles: Particles, launcher: Launcher, planes, *, spacing: float, support: float, skin: float):
+    def __init__(
+        self, particles: Particles, launcher: Launcher, planes, *, spacing: float, support: float, skin: float
+    ):
         """Allocate for particles that interact within ``support`` [m]; ``skin`` [m] is added."""
         spec, n = particles.spec, particles.n
         self._particles, self._launcher = particles, launcher

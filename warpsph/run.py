@@ -166,6 +166,7 @@ class _Job:
         self._started = time.perf_counter()
         self._stop_asked = False
         self._mark = (0.0, 0)
+        self._row_time = -1.0
 
     def begin(self) -> None:
         """Start from the scene's initial state."""
@@ -251,8 +252,11 @@ class _Job:
         return self._stop_asked
 
     def _row(self) -> None:
-        """Write a row of the history and compare the ledger with the first one."""
-        now, ledger = self.solver.reading, self.solver.ledger()
+        """Write a row of the history, one for each time, and compare the ledger with the first one."""
+        now = self.solver.reading
+        if now.time == self._row_time:
+            return
+        self._row_time, ledger = now.time, self.solver.ledger()
         self.balance.update(ledger)
         values = [now.time, now.steps, now.dt, energy(ledger), self.balance.energy_error]
         values += [ledger[name] for name, _ in LEDGER_COLUMNS]

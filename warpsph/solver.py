@@ -12,7 +12,7 @@ from .clock import Clock, Reading
 from .errors import InputError, RunError
 from .kernels.ledger import MAXIMA, SUMS, make_ledger
 from .kernels.spec import Spec
-from .kernels.timestep import COLLAPSED, DONE, NON_FINITE, STALE
+from .kernels.timestep import COLLAPSED, NON_FINITE, RUNNING, STALE
 from .launch import SMALLEST_BLOCK_SLICE, SMALLEST_SLICE, Command, Launcher
 from .materials import pack
 from .neighbours import Neighbours
@@ -74,6 +74,7 @@ class Solver:
         self._work = self._allocate_work()
         self._ledger = make_ledger(self._spec)
         self._program: list[Command] = []
+        self._planning: list[Command] = []
         self._bound = -1
         self._initialise()
         self.reading = self._clock.read()
@@ -121,6 +122,7 @@ class Solver:
     def prepare(self) -> None:
         """Compile and load every kernel of a step, without taking one."""
         self.advance(self.reading.time)
+        self._run_steps(1)
 
     def mean_neighbours(self) -> float:
         """Mean number of neighbours within the kernel's support, the particle itself left out."""
@@ -137,24 +139,40 @@ class Solver:
             RunError: A particle's state is not finite, or the time step collapsed; names the particle.
         """
         self._clock.stop_at(t_stop)
-        before = self.reading
+        now = self._plan()
         batch = 1
-        while True:
-            self._run_steps(batch)
-            now = self.reading = self._clock.read()
-            if now.status in (COLLAPSED, NON_FINITE):
-                raise RunError(self._trouble(now))
+        while now.status in (RUNNING, STALE):
             if now.status == STALE:
                 self.neighbours.build()
-            if now.status == DONE or (on_batch is not None and on_batch(now)):
-                return
-            batch = self._predict(before, now)
+                now = self._plan()
+                continue
             before = now
+            self._run_steps(batch)
+            now = self.reading = self._clock.read()
+            if on_batch is not None and on_batch(now):
+                break
+            batch = self._predict(before, now)
+        self.reading = now
+        if now.status in (COLLAPSED, NON_FINITE):
+            raise RunError(self._trouble(now))
+
+    def _bind_step(self) -> None:
+        """Bind the launches of a step again if neighbour rows have moved in memory."""
+        if self._bound != self.neighbours.generation:
+            self._planning = self._scheme.plan(self._bind, self._blocks.count)
+            self._program = self._scheme.step(self._bind) + self._planning
+            self._bound = self.neighbours.generation
+
+    def _plan(self) -> Reading:
+        """Let the device judge the next step, without having taken one."""
+        self._bind_step()
+        self._clock.dt.zero_()
+        for command in self._planning:
+            command()
+        return self._clock.read()
 
     def _run_steps(self, count: int) -> None:
-        if self._bound != self.neighbours.generation:
-            self._program = self._scheme.step(self._bind, self._blocks.count)
-            self._bound = self.neighbours.generation
+        self._bind_step()
         for _ in range(count):
             for command in self._program:
                 command()
@@ -162,7 +180,7 @@ class Solver:
     def _predict(self, before: Reading, now: Reading) -> int:
         """Steps until the skin is used up, judged by the last batch: a wrong guess costs idle steps, nothing else."""
         steps, worn = now.steps - before.steps, now.wear - before.wear
-        if now.status == STALE or steps < 1 or worn <= 0.0:
+        if now.status != RUNNING or steps < 1 or worn <= 0.0:
             return 1
         left = (1.0 - now.wear) * steps / worn
         return int(min(max(left, 1.0), MAX_BATCH))
@@ -182,7 +200,7 @@ class Solver:
     def save(self) -> tuple[dict[str, np.ndarray], dict]:
         """Everything a restart needs: arrays in memory order, and plain values."""
         arrays = self.particles.arrays() | {
-            "clock": self._clock.clock.numpy(), "count": self._clock.count.numpy()
+            "clock": self._clock.clock.numpy().copy(), "count": self._clock.count.numpy().copy()
         }  # fmt: skip
         return arrays, {"builds": self.neighbours.builds, "precision": self.precision}
 

@@ -6,10 +6,10 @@ from .kernels.tiles import make_tiles
 from .launch import Launcher
 from .particles import Particles
 
-PER_TILE = 64
+PER_TILE = 128
 """Particles a tile is meant to hold."""
 
-MOST = 1024
+MOST = 512
 """Tiles at most: every step compares each with each. Where there are more, tiles grow."""
 
 

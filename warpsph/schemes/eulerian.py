@@ -60,20 +60,26 @@ class Eulerian:
         """The launches that refill what one step leaves for the next and no checkpoint holds."""
         return [bind(self._artificial_stress)] if self._artificial_stress else []
 
-    def step(self, bind, n_blocks: int) -> list:
-        """One step from (x, v, e, ρ, τ) at t to t + dt; `bind(kernel, n)` binds a launch to the solver's arrays."""
+    def plan(self, bind, n_blocks: int) -> list:
+        """How far the next step may go, and whether it may be taken at all."""
         sequence = [
-            (self._timestep.local, n_blocks),  # dt_a from the state at t
             (self._tiles.motion, MOST),  # whether the neighbour rows
             (self._tiles.wear, MOST),  # still hold every pair
-            (self._timestep.decide, 1),  # dt, and whether to step at all
-            (self._correction, None),  # S, G, K at x
-            (self._momentum, None),  # A and B from σ at x
-            (self._integrate.kick, None),  # v' = v + dt A, e' exact in energy
-            (self._velocity_gradient, None),  # L from v' at x
-            (self._switch, None),  # BAL, MON
-            (self._constitutive, None),  # ρ', τ', ε_p', p', σ'
-            (self._artificial_stress, None),  # R from σ'
-            (self._integrate.drift, None),  # x' = x + dt v'
+            (self._timestep.local, n_blocks),  # dt_a from the state
+            (self._timestep.decide, 1),  # dt and verdict
         ]
-        return [bind(kernel, n) for kernel, n in sequence if kernel is not None]
+        return [bind(kernel, n) for kernel, n in sequence]
+
+    def step(self, bind) -> list:
+        """One step from (x, v, e, ρ, τ) at t to t + dt; `bind(kernel)` binds a launch to the solver's arrays."""
+        sequence = [
+            self._correction,  # S, G, K at x
+            self._momentum,  # A and B from σ at x
+            self._integrate.kick,  # v' = v + dt A, e' exact in energy
+            self._velocity_gradient,  # L from v' at x
+            self._switch,  # BAL, MON
+            self._constitutive,  # ρ', τ', ε_p', p', σ'
+            self._artificial_stress,  # R from σ'
+            self._integrate.drift,  # x' = x + dt v'
+        ]
+        return [bind(kernel) for kernel in sequence if kernel is not None]
