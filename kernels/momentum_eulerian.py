@@ -44,7 +44,6 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     dot, product, of_pair = tensor.dot, tensor.product, gradient.of_pair
     switched, stressed = terms.switched, terms.artificial_stress
-    needs_w = terms.corrected or stressed
     half = real(0.5)
     dim, on = s.dim, wp.constant(int(terms.corrected))
 
@@ -112,7 +111,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                 slope[first + found] = dw
                 found += 1
                 w_ij = real(0.0)
-                if wp.static(needs_w):
+                if wp.static(terms.corrected):
                     w_ij = w(r, h)
                 g_ij = of_pair(xij, dw, w_ij, K[own], G[own], h, gradient_ratio)
                 other = j * on
@@ -128,20 +127,25 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                 vji = mirror.vector(v[j], sign) - vi
                 inner = product(sig_i, g_ij)
                 stress = vol[j] * (inner - product(mirror.tensor(sig[j], sign), g_ji))
-                mu_ij = viscosity.approach(-dot(vji, xij), r2, h)
-                mu_max = wp.max(mu_max, -mu_ij)
-                pi_ij = viscosity.pressure(
-                    mu_ij, half * (cs_i + cs[j]), half * (rho_i + rho[j]), viscosity_alpha, viscosity_beta
-                )
-                if wp.static(switched):
-                    pi_ij *= half * (av_switch[i] + av_switch[j])
                 g_mean = -g_ij
                 if wp.static(terms.corrected):
                     g_mean = half * (g_ji - g_ij)
+                pi_ij = real(0.0)
+                closing = -dot(vji, xij)
+                if closing < real(0.0):
+                    mu_ij = viscosity.approach(closing, r2, h)
+                    mu_max = wp.max(mu_max, -mu_ij)
+                    pi_ij = viscosity.pressure(
+                        mu_ij, half * (cs_i + cs[j]), half * (rho_i + rho[j]), viscosity_alpha, viscosity_beta
+                    )
+                    if wp.static(switched):
+                        pi_ij *= half * (av_switch[i] + av_switch[j])
                 pair = pi_ij * g_mean
                 if wp.static(stressed):
-                    f2 = w_ij * w_spacing * w_ij * w_spacing
-                    pair -= (f2 * f2) * product(R[i] + mirror.tensor(R[j], sign), g_mean)
+                    R_ij = R[i] + mirror.tensor(R[j], sign)
+                    if wp.trace(R_ij) < real(0.0):  # zero, unless one of the two is in tension
+                        f = w(r, h) * w_spacing
+                        pair -= (f * f * f * f) * product(R_ij, g_mean)
                 pair *= m[j] * areal_i
                 power += vol[j] * dot(vji, inner) + half * dot(vji, pair)
                 f_x += stress[0] + pair[0]
