@@ -64,22 +64,7 @@ def make_tensor(s: Spec) -> Tensor:
         """Rate of deformation D = sym L [1/s]."""
         return real(0.5) * (L + wp.transpose(L))
 
-    @wp.func
-    def rotate(T: mat, L: mat, dt: real):
-        """Q T Qᵀ, Q the Cayley rotation of the spin dt skew(L): keeps every invariant of T to round-off.
-
-        The midpoint form of Jaumann's T + dt (Ω T - T Ω) of section 7 (Hughes & Winget 1980).
-        """
-        quarter = real(0.25) * dt
-        ax = quarter * (L[2, 1] - L[1, 2])
-        ay = quarter * (L[0, 2] - L[2, 0])
-        az = quarter * (L[1, 0] - L[0, 1])
-        zero = real(0.0)
-        A = mat(zero, -az, ay, az, zero, -ax, -ay, ax, zero)
-        Q = wp.identity(n=3, dtype=real) + (real(2.0) / (real(1.0) + ax * ax + ay * ay + az * az)) * (
-            A + A * A
-        )
-        return Q * T * wp.transpose(Q)
+    rotate = _rotation_in_plane(s) if dim < 3 else _rotation(s)
 
     @wp.func
     def deviator(T: mat):
@@ -98,3 +83,44 @@ def make_tensor(s: Spec) -> Tensor:
         return wp.length(vec(L[2, 1] - L[1, 2], L[0, 2] - L[2, 0], L[1, 0] - L[0, 1]))
 
     return Tensor(dot, product, stretch, rotate, deviator, von_mises, curl)
+
+
+def _rotation(s: Spec) -> wp.Function:
+    real, mat = s.real, s.mat
+
+    @wp.func
+    def rotate(T: mat, L: mat, dt: real):
+        """Q T Qᵀ, Q the Cayley rotation of the spin dt skew(L): keeps every invariant of T to round-off.
+
+        The midpoint form of Jaumann's T + dt (Ω T - T Ω) of section 7 (Hughes & Winget 1980).
+        """
+        quarter = real(0.25) * dt
+        ax = quarter * (L[2, 1] - L[1, 2])
+        ay = quarter * (L[0, 2] - L[2, 0])
+        az = quarter * (L[1, 0] - L[0, 1])
+        zero = real(0.0)
+        A = mat(zero, -az, ay, az, zero, -ax, -ay, ax, zero)
+        Q = wp.identity(n=3, dtype=real) + (real(2.0) / (real(1.0) + ax * ax + ay * ay + az * az)) * (
+            A + A * A
+        )
+        return Q * T * wp.transpose(Q)
+
+    return rotate
+
+
+def _rotation_in_plane(s: Spec) -> wp.Function:
+    real, mat = s.real, s.mat
+    one, two = real(1.0), real(2.0)
+
+    @wp.func
+    def rotate(T: mat, L: mat, dt: real):
+        """Q T Qᵀ as in three dimensions, for a symmetric T without shear out of the plane and a spin in it."""
+        a = real(0.25) * dt * (L[1, 0] - L[0, 1])
+        scale = one / (one + a * a)
+        c, k = (one - a * a) * scale, two * a * scale
+        turn = k * k * (T[1, 1] - T[0, 0]) - two * c * k * T[0, 1]
+        shear = (c * c - k * k) * T[0, 1] + c * k * (T[0, 0] - T[1, 1])
+        zero = real(0.0)
+        return mat(T[0, 0] + turn, shear, zero, shear, T[1, 1] - turn, zero, zero, zero, T[2, 2])
+
+    return rotate
