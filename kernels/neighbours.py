@@ -9,7 +9,7 @@ from .mirror import INDEX_BITS, make_mirror
 from .spec import Spec
 from .tensor import make_tensor
 
-SLACK = 4
+SLACK = 16
 """Spare places of every row."""
 
 

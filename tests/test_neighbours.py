@@ -122,3 +122,23 @@ def test_nothing_arrives_unnoticed():
     assert abs(v[-1, 1]) < 25000.0 and (np.abs(v[:64, 0]) < 2500.0).sum() > 20, "they have met"
     np.testing.assert_allclose(by_id(late, "v"), v, atol=1e-7)
     np.testing.assert_allclose(by_id(late, "x"), by_id(always, "x"), atol=1e-9 * SPACING)
+
+
+def test_no_image_arrives_unnoticed():
+    """A block flies at a plane: no particle comes nearer to another, but each does to the images."""
+    states = []
+    for skin in (2.0, 0.0):
+        made = scene(2, skin=skin)
+        made.add_body(
+            "block",
+            jittered(2, 8) + SPACING * np.array([0.0, 30.0, 0.0]),
+            "aluminium",
+            velocity=(0.0, -2000.0),
+        )
+        made.add_symmetry_plane("y", 0.0)
+        states.append(run(made, 20e-6))
+    late, always = states
+    assert late.neighbours.builds < 0.5 * late.reading.steps
+    v = by_id(always, "v")
+    assert (v[:, 1] > -1000.0).sum() > 10, "it has hit its image"
+    np.testing.assert_allclose(by_id(late, "v"), v, atol=1e-6)
