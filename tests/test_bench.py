@@ -6,10 +6,10 @@ import sys
 
 import pytest
 
-from warpsph import bench, report
 from warpsph.errors import InputError, RunError
-from warpsph.peer import Peer
-from warpsph.stopwatch import REST, ROWS, kernel_times, short_name
+from warpsph.quality import bench, report
+from warpsph.quality.peer import Peer
+from warpsph.quality.stopwatch import REST, ROWS, kernel_times, short_name
 
 FACTS = {"code": "Other", "version": "1.0", "ns_per_particle_step": 1000.0, "threads": 1, "particles": 42}
 

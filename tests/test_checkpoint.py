@@ -2,8 +2,8 @@ import h5py
 import numpy as np
 import pytest
 
-from warpsph import checkpoint
 from warpsph.errors import InputError, RunError
+from warpsph.storage import checkpoint
 
 RNG = np.random.default_rng(0)
 ARRAYS = {

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 import warpsph
-from warpsph import cli, info, snapshot
+from warpsph import cli, info
 from warpsph.errors import InputError, RunError
 from warpsph.state import State
+from warpsph.storage import snapshot
 
 SCENE = '''
 """A drop on a plate."""

@@ -16,9 +16,9 @@ KERNEL_FILES = sorted((ROOT / "kernels").glob("*.py"))
 HOST_FILES = sorted((ROOT / "warpsph").rglob("*.py"))
 
 KERNEL_LIBRARIES = {"collections", "dataclasses", "enum", "functools", "math", "typing", "warp"}
-ENGINE = {"blocks", "clock", "launch", "neighbours", "particles", "schemes"}
-OUTPUT = {"snapshot", "checkpoint", "hdf5", "history", "render", "look", "camera", "scalars", "plot"}
-TOP = {"cli", "library", "progress", "run"}
+ENGINE = {"blocks", "clock", "launch", "neighbours", "particles", "schemes", "tiles"}
+OUTPUT = {"drawing", "plot", "render", "scalars", "storage"}
+TOP = {"cli", "library", "progress", "quality", "run"}
 
 
 def path_id(path):

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from warpsph import cli, report
+from warpsph import cli
+from warpsph.quality import report
 from warpsph.schemes import SCHEMES
 
 ROOT = Path(__file__).parents[1]

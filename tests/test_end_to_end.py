@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from warpsph import cli, history, snapshot
+from warpsph import cli
 from warpsph.fields import FIELDS
+from warpsph.storage import history, snapshot
 
 KEYS = {
     "scene", "scheme", "parameters", "device", "precision", "threads", "particles", "particles_per_body", "dim",

@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 from tools import SPACING, by_id, collision, scene
 
-from warpsph import checkpoint, cli, history, snapshot
+from warpsph import cli
 from warpsph.errors import RunError
 from warpsph.shapes import Disc
 from warpsph.solver import Solver
+from warpsph.storage import checkpoint, history, snapshot
 
 MICRO = 1e-6
 

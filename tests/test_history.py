@@ -4,9 +4,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from warpsph import history
 from warpsph.errors import InputError, RunError
-from warpsph.history import History
+from warpsph.storage import history
+from warpsph.storage.history import History
 
 COLUMNS = [("time", "s"), ("step", "1"), ("kinetic_energy", "J/m"), ("width, outer", "m")]
 

@@ -3,8 +3,8 @@ import pytest
 from PIL import Image
 
 from warpsph.errors import InputError
-from warpsph.history import History
 from warpsph.plot import group, plot
+from warpsph.storage.history import History
 
 COLUMNS = [
     ("time", "s"), ("step", "1"), ("dt", "s"), ("kinetic_energy", "J/m"), ("internal_energy", "J/m"),

@@ -7,11 +7,13 @@ import pytest
 from PIL import Image
 from states import impact
 
-from warpsph import camera, render, snapshot, spheres, units
+from warpsph import render, units
+from warpsph.drawing import camera, spheres
+from warpsph.drawing.look import choose, time_stamp
+from warpsph.drawing.painter import Painter
 from warpsph.errors import InputError, RunError
-from warpsph.look import choose, time_stamp
-from warpsph.painter import Painter
 from warpsph.scalars import names, scalar
+from warpsph.storage import snapshot
 
 SMALL = (320, 240)
 

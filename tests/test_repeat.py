@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from tools import SPACING, by_id, collision, run
 
-from warpsph import checkpoint, history, snapshot
 from warpsph.fields import FIELDS
 from warpsph.launch import SMALLEST_SLICE
 from warpsph.progress import Progress
 from warpsph.run import resume
 from warpsph.run import run as run_scene
 from warpsph.solver import Solver
+from warpsph.storage import checkpoint, history, snapshot
 
 SCENE = '''
 """Two balls."""

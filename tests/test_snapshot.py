@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from states import impact
 
-from warpsph import checkpoint, snapshot
 from warpsph.errors import InputError, RunError
 from warpsph.fields import FIELDS
+from warpsph.storage import checkpoint, snapshot
 
 
 @pytest.mark.parametrize("real", [np.float32, np.float64])

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from warpsph import cases, library, report, validate
-from warpsph.cases import CASES, Case, Figure, Row, Table
+from warpsph import library
 from warpsph.errors import InputError, RunError
+from warpsph.quality import cases, report, validate
+from warpsph.quality.cases import CASES, Case, Figure, Row, Table
 from warpsph.state import State
 
 HVI = library.load("hvi_2d")

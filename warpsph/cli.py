@@ -313,7 +313,7 @@ def validate(case: str | None = None, /, *, out: Path = Path("runs/validation"),
         device: Where to compute: cpu, or cuda:0, cuda:1, ...
     """
     with _reporting(device) as progress:
-        from .validate import validate as compare
+        from .quality.validate import validate as compare
 
         compare(case, out, device=device, progress=progress)
 
@@ -337,7 +337,7 @@ def bench(
         repeats: Repetitions of every measurement.
     """
     with _reporting(device) as progress:
-        from .bench import bench as measure
+        from .quality.bench import bench as measure
 
         print(measure(device, peers=peer or (), size=size, full=full, repeats=repeats, progress=progress))
 

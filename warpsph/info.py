@@ -26,7 +26,7 @@ def describe(path: Path) -> str:
     Raises:
         InputError: If it is neither, or damaged.
     """
-    from . import snapshot
+    from .storage import snapshot
 
     path = Path(path)
     if not path.exists():

@@ -14,10 +14,9 @@ from typing import Any, ClassVar
 
 import warp as wp
 
-from warpsph.kernels.material import EosId, StrengthId, make_material
-from warpsph.kernels.spec import Spec
-
 from .errors import InputError
+from .kernels.material import EosId, StrengthId, make_material
+from .kernels.spec import Spec
 
 _ALLOWED = {
     "positive": lambda value: value > 0.0,

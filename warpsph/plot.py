@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import atomic, history, units
+from . import units
 from .errors import InputError
+from .storage import atomic, history
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

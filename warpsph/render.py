@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from . import atomic, snapshot
-from . import movie as films
+from .drawing import movie as films
+from .drawing.look import Look, choose
+from .drawing.painter import Painter
 from .errors import InputError, RunError
-from .look import Look, choose
-from .painter import Painter
 from .state import State
+from .storage import atomic, snapshot
 
 
 def render(
@@ -32,7 +32,7 @@ def render(
     Args:
         folder: Output folder of the run.
         field: What gives the colour, see `warpsph.scalars.scalar`.
-        view: Name of the view, see `warpsph.camera.VIEWS`; None for the usual one of the dimension.
+        view: Name of the view, see `warpsph.drawing.camera.VIEWS`; None for the usual one of the dimension.
         output: Folder for the frames ``FIELD_0000.png``, numbered as the snapshots; ``folder/frames`` if None.
         range: Lowest and highest value of the colour range [SI]; None to fit it to the sequence.
         movie: An .mp4 file to write as well.
@@ -74,7 +74,7 @@ def frame(state: State, path: Path, look: Look) -> None:
     Args:
         state: The particles.
         path: A .png file.
-        look: Camera and colours, from `warpsph.look.choose`.
+        look: Camera and colours, from `warpsph.drawing.look.choose`.
 
     Raises:
         RunError: If this machine cannot draw off screen, or the file cannot be written.

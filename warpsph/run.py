@@ -9,14 +9,15 @@ import time
 from pathlib import Path
 from typing import Any
 
-from . import __version__, atomic, checkpoint, snapshot
+from . import __version__
 from .balance import Balance, energy
 from .clock import Reading
 from .errors import InputError, RunError
-from .history import History
 from .progress import Progress
 from .scene import Scene, SceneData
 from .solver import Solver
+from .storage import atomic, checkpoint, snapshot
+from .storage.history import History
 
 HISTORY_ROWS = 200
 """Rows of history.csv over a whole run, about; a row is written after the first batch of steps past its time."""

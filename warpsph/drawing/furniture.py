@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import units
+from warpsph import units
+
 from .camera import Camera
 from .look import Look
 

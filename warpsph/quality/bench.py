@@ -6,15 +6,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from statistics import median
 
-from . import library, report
-from .errors import InputError
-from .info import table
-from .launch import find_device
+from warpsph import library
+from warpsph.errors import InputError
+from warpsph.info import table
+from warpsph.launch import find_device
+from warpsph.progress import Progress
+from warpsph.scene import Scene, SceneData
+from warpsph.shapes import Box, Sphere
+from warpsph.solver import Solver
+
+from . import report
 from .peer import Peer
-from .progress import Progress
-from .scene import Scene, SceneData
-from .shapes import Box, Sphere
-from .solver import Solver
 from .stopwatch import REST, ROWS, kernel_times
 
 WARM_UP, STEPS = 20, 80

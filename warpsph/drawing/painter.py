@@ -4,11 +4,12 @@ from typing import Self
 
 import numpy as np
 
+from warpsph.state import State
+
 from .cloud import Cloud
 from .furniture import INK
 from .look import Look, time_stamp
 from .profile import Profile
-from .state import State
 
 
 class Painter:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import warp as wp
 
-from .solver import Solver
+from warpsph.solver import Solver
 
 ROWS, REST = "neighbour rows", "everything else"
 """Names of what is no launch of a step: rebuilding the rows; the host, its readings and idle threads."""

@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from .errors import RunError
+from warpsph.errors import RunError
 
 
 def write(path: Path, content: bytes | memoryview) -> None:

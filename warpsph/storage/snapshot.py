@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from warpsph.fields import BY_NAME, FIELDS, Field
+from warpsph.state import State
+
 from . import atomic, hdf5
-from .fields import BY_NAME, FIELDS, Field
-from .state import State
 
 if TYPE_CHECKING:
     import h5py

@@ -4,11 +4,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from warpsph.scalars import scalar
+from warpsph.state import State
+
 from . import camera, furniture
 from .look import Look
-from .scalars import scalar
 from .spheres import Spheres
-from .state import State
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

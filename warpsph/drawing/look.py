@@ -5,11 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import camera, units
+from warpsph import units
+from warpsph.errors import InputError
+from warpsph.scalars import Scalar, scalar
+from warpsph.state import State
+
+from . import camera
 from .camera import Cut
-from .errors import InputError
-from .scalars import Scalar, scalar
-from .state import State
 
 PERCENTILES = (0.5, 99.5)
 """Share of the particles [%] that the colour range of a frame covers: single particles must not spoil it."""
@@ -80,7 +82,7 @@ def choose(
     Args:
         states: The sequence, at least one; read once, so that it may be a generator.
         field: Name of the quantity, see `warpsph.scalars.scalar`.
-        view: Name of the view, see `warpsph.camera.VIEWS`; None for the usual one.
+        view: Name of the view, see `warpsph.drawing.camera.VIEWS`; None for the usual one.
         range: Lowest and highest value of the colour range [SI]; None to fit it to the sequence.
         cut: Cut plane in 3D, ``"y"`` or ``"y=0.01"`` [m].
         size: Width and height [pixels].

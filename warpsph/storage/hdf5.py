@@ -6,8 +6,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import __version__, atomic
-from .errors import InputError
+from warpsph import __version__
+from warpsph.errors import InputError
+
+from . import atomic
 
 if TYPE_CHECKING:
     import h5py

@@ -4,11 +4,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from . import units
+from warpsph import units
+from warpsph.scalars import scalar
+from warpsph.state import State
+
 from .furniture import INK
 from .look import Look
-from .scalars import scalar
-from .state import State
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import warp as wp
 
-from . import __version__, atomic
-from .errors import InputError
+from warpsph import __version__
+from warpsph.errors import InputError
+from warpsph.storage import atomic
 
 LIBRARIES = ("warp-lang", "numpy")
 """Libraries whose versions matter to a figure."""
@@ -19,7 +20,7 @@ LIBRARIES = ("warp-lang", "numpy")
 
 def checkout() -> Path | None:
     """Root of the source tree that this package runs from; None for an installed package."""
-    root = Path(__file__).resolve().parents[1]
+    root = Path(__file__).resolve().parents[2]
     return root if (root / "pyproject.toml").is_file() and (root / "docs").is_dir() else None
 
 

@@ -4,13 +4,16 @@ import re
 from pathlib import Path
 from typing import Any
 
-from . import atomic, library, report
+from warpsph import library
+from warpsph.errors import InputError, RunError
+from warpsph.info import table
+from warpsph.launch import find_device
+from warpsph.progress import Progress
+from warpsph.run import run
+from warpsph.storage import atomic
+
+from . import report
 from .cases import CASES, Case, Figure, Row, Table
-from .errors import InputError, RunError
-from .info import table
-from .launch import find_device
-from .progress import Progress
-from .run import run
 
 INSIDE, OUTSIDE = "✓", "✗"
 """Marks of a figure in and out of the range that is expected of it."""

@@ -9,8 +9,9 @@ from typing import Self
 
 import numpy as np
 
+from warpsph.errors import InputError, RunError
+
 from . import atomic
-from .errors import InputError, RunError
 
 
 class History:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .errors import InputError, RunError
+from warpsph.errors import InputError, RunError
 
 SECONDS = 6.0
 """How long a film lasts if its frames suffice."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .errors import InputError
+from warpsph.errors import InputError
 
 _UP_Z, _UP_Y = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from statistics import median
 from typing import Any
 
-from .errors import InputError, RunError
+from warpsph.errors import InputError, RunError
 
 
 @dataclass
