@@ -7,9 +7,9 @@ import warp as wp
 
 from .spec import Spec
 
-TINY_SPEED = 1.0e-15
-"""Single precision: speeds [m/s] below this, and energies below its square [J/kg], are set to zero. Ahead of a wave
-they shrink from step to step until they are denormal numbers, with which a CPU is ten times slower."""
+TINY_SPEED = {wp.float32: 1.0e-15, wp.float64: 1.0e-100}
+"""Speeds [m/s] below this, and energies below its square [J/kg], are set to zero. Ahead of a wave they shrink from
+step to step until their products are denormal numbers, with which a CPU is ten times slower."""
 
 
 class IntegrateKernels(NamedTuple):
@@ -23,16 +23,16 @@ class IntegrateKernels(NamedTuple):
 def make_integrate(s: Spec) -> IntegrateKernels:
     """Build the kernels for one precision."""
     real, vec = s.real, s.vec
-    half, zero = real(0.5), real(0.0)
+    half, zero, tiny = real(0.5), real(0.0), real(TINY_SPEED[s.real])
     module = s.module(__name__)
 
     @wp.func
     def flushed(v: vec, e: real):
         """Zero where there is nothing but the precursor of round-off ahead of a wave."""
         for c in range(3):
-            if wp.abs(v[c]) < real(TINY_SPEED):
+            if wp.abs(v[c]) < tiny:
                 v[c] = zero
-        if wp.abs(e) < real(TINY_SPEED * TINY_SPEED):
+        if wp.abs(e) < tiny * tiny:
             e = zero
         return v, e
 
@@ -74,8 +74,7 @@ def make_integrate(s: Spec) -> IntegrateKernels:
             work[i] = work[i] + wp.dot(push, v[i] + half * dv)
         v_new = v[i] + dv
         e_new = e[i] + dt[0] * dedt[i] - half * wp.dot(free, dv)
-        if wp.static(real is wp.float32):
-            v_new, e_new = flushed(v_new, e_new)
+        v_new, e_new = flushed(v_new, e_new)
         v[i] = v_new
         e[i] = e_new
 
