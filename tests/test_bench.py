@@ -69,6 +69,13 @@ def test_whole_time_is_compared_too(coarse, page):
     assert text.count("all 0.4 µs") >= 2 and text.count("Other 1.0") == 2
 
 
+def test_at_the_step_of_a_peer(coarse):
+    data = bench.at_step(coarse.finalize(), 1e-9)
+    solver = bench.Variant("cpu", "float64", 1).solver(data)
+    solver.advance(1.0, lambda now: True)
+    assert solver.reading.dt_max == pytest.approx(1e-9, rel=1e-6)
+
+
 def coarse_end(scene):
     """The scene's data with a short end time."""
     scene.until = 4e-7

@@ -25,7 +25,7 @@ class Numerics:
     kernel: str = "cubic_spline"
     smoothing_ratio: float = 1.2
     cfl: float = 0.5
-    skin: float = 0.5
+    skin: float = 0.4
     plane: str = "strain"
 
     def __post_init__(self):

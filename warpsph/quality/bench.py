@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from statistics import median
 
 from warpsph import library
@@ -125,6 +125,12 @@ def bench(
     data = impact_2d().finalize()
     variants, others = _variants(device), [Peer(command) for command in peers]
     rows = _in_turn("2D impact", data, variants, others, repeats, say)
+    dt = next((peer.facts["dt"] for peer in others if "dt" in peer.facts), None)
+    if dt is not None:
+        double = [variant for variant in variants if variant.precision == "float64"]
+        rows += _in_turn(
+            "2D impact", at_step(data, dt), double, [], repeats, say, f" of about {dt * 1e9:.3g} ns"
+        )
     beside = _comparison(others, rows)
     if full:
         others = [
@@ -162,6 +168,14 @@ def impact_3d(particles: int) -> Scene:
     return scene
 
 
+def at_step(data: SceneData, dt: float) -> SceneData:
+    """Give the same scene with the Courant number that makes the first step ``dt`` [s]."""
+    solver = Solver(data)
+    solver.advance(math.inf, lambda now: True)
+    numerics = replace(data.numerics, cfl=data.numerics.cfl * dt / solver.reading.dt_max)
+    return replace(data, numerics=numerics)
+
+
 def _variants(device: str) -> list[Variant]:
     """Both precisions; on a CPU with one thread, then with all."""
     found = find_device(device)
@@ -180,9 +194,10 @@ def _in_turn(
     peers: list[Peer],
     repeats: int,
     say: Callable[[str], None],
+    which: str = "",
 ) -> list[Series]:
     """Measure the first steps with every variant and every peer in turn, so that all see the same machine."""
-    window = f"steps {WARM_UP + 1} to {WARM_UP + STEPS}"
+    window = f"steps {WARM_UP + 1} to {WARM_UP + STEPS}{which}"
     series = [Series(case, window, variant, len(data.x)) for variant in variants]
     for k in range(repeats):
         say(f"{case}, {len(data.x):,} particles: repetition {k + 1} of {repeats}")
