@@ -43,15 +43,6 @@ class Eulerian:
         self._constitutive = make_constitutive(spec, numerics.plane == "stress" and spec.dim == 2)
         self._artificial_stress = make_artificial_stress(spec) if s.artificial_stress else None
 
-    def kernels(self) -> list:
-        """Every kernel of a step."""
-        own = [
-            *self._timestep,
-            *self._tiles, self._correction, self._momentum, *self._integrate,
-            self._velocity_gradient, self._switch, self._constitutive, self._artificial_stress,
-        ]  # fmt: skip
-        return [k for k in own if k is not None]
-
     def settle(self, bind) -> list:
         """The launch that makes pressure, stress and volume agree with the scene's density and energy."""
         return [bind(self._constitutive)]
