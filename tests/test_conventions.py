@@ -18,7 +18,7 @@ HOST_FILES = sorted((ROOT / "warpsph").rglob("*.py"))
 KERNEL_LIBRARIES = {"collections", "dataclasses", "enum", "functools", "math", "typing", "warp"}
 ENGINE = {"blocks", "clock", "launch", "neighbours", "particles", "schemes", "tiles"}
 OUTPUT = {"drawing", "plot", "render", "scalars", "storage"}
-TOP = {"cli", "library", "progress", "quality", "run"}
+TOP = {"cli", "job", "library", "progress", "quality", "run"}
 
 
 def path_id(path):

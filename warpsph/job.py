@@ -1,0 +1,240 @@
+"""One run in progress: what is due when, what goes to the disk, and how it ends."""
+
+import contextlib
+import json
+import math
+import signal
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+from . import __version__
+from .balance import Balance, energy
+from .clock import Reading
+from .errors import RunError
+from .progress import Progress
+from .scene import SceneData
+from .solver import Solver
+from .storage import atomic, checkpoint, snapshot
+from .storage.history import History
+
+HISTORY_ROWS = 200
+"""Rows of history.csv over a whole run, about; a row is written after the first batch of steps past its time."""
+
+LEDGER_COLUMNS = (
+    ("kinetic_energy", "J"), ("internal_energy", "J"),
+    ("momentum_x", "N s"), ("momentum_y", "N s"), ("momentum_z", "N s"),
+    ("angular_momentum_x", "N m s"), ("angular_momentum_y", "N m s"), ("angular_momentum_z", "N m s"),
+    ("work", "J"), ("pressure_max", "Pa"), ("speed_max", "m/s"), ("density_max", "kg/m^3"),
+    ("internal_energy_max", "J/kg"),
+)  # fmt: skip
+"""Columns of history.csv that come from the ledger as they are, with units."""
+
+
+class Job:
+    """A solver at work for an output folder.
+
+    Call `begin` or `go_on`, then `finish`.
+    """
+
+    def __init__(self, solver: Solver, out: Path, until: float, parameters: dict, progress: Progress):
+        self.solver, self.out, self.until, self.progress = solver, out, until, progress
+        self.parameters = json.loads(json.dumps(parameters, default=str))
+        self.data: SceneData = solver.data
+        self.step_wall, self.wall = 0.0, 0.0
+        self.next_snapshot, self.next_row = 0, 0.0
+        self.interval = until / self.data.snapshots
+        self.warnings: list[str] = []
+        self.peaks = {name: -math.inf for name, measure in self.data.measures.items() if measure.peak}
+        self._started = time.perf_counter()
+        self._stop_asked = False
+        self._mark = (0.0, 0)
+        self._row_time = -1.0
+
+    def begin(self) -> None:
+        """Start from the scene's initial state."""
+        self.balance = Balance(self.data, self.solver.ledger())
+        self.history = History(self.out / "history.csv", _columns(self.data))
+        self.neighbours = [self.solver.mean_neighbours()]
+        self._row()
+        self._output()
+
+    def go_on(self, arrays: dict, info: dict) -> None:
+        """Start from a checkpoint."""
+        self.balance = Balance(self.data, self.solver.ledger())
+        self.solver.restore(arrays, info["solver"])
+        self.solver.relist()
+        self.balance.restore(info["balance"])
+        self.history = History.reopen(self.out / "history.csv", info["time"])
+        self.neighbours, self.peaks = info["neighbours"], info["peaks"]
+        self.interval, self.next_snapshot = info["interval"], info["next_snapshot"]
+        self.next_row = info["next_row"]
+        self.step_wall, self.wall = info["step_wall"], info["wall"]
+        later = snapshot.find(self.out)[self.next_snapshot :]  # the last snapshot of an interrupted run
+        for path in later:
+            path.unlink()
+
+    def finish(self, frames: bool) -> dict[str, Any]:
+        """Run to the end, whatever ends it, and write the summary."""
+        self.progress.start(self.until, self.solver.reading.time)
+        before = signal.signal(signal.SIGINT, self._on_interrupt) if _in_main_thread() else None
+        try:
+            self._steps()
+        except RunError as error:
+            with contextlib.suppress(RunError):  # a full disk takes no last words
+                self._last_words(str(error))
+            raise RunError(f"{error}; last snapshot: {snapshot.find(self.out)[-1]}") from error
+        finally:
+            self.progress.stop()
+            if before is not None:
+                signal.signal(signal.SIGINT, before)
+        if self._stop_asked:
+            self._last_words(
+                f"interrupted at t = {self.solver.reading.time:g} s; `warpsph resume {self.out}` goes on"
+            )
+            raise KeyboardInterrupt
+        summary = self._summary()
+        if frames:
+            self._frames(summary)
+        return summary
+
+    def _on_interrupt(self, _signal, _frame) -> None:
+        """Stop at the end of the batch; a second Ctrl-C stops at once."""
+        if self._stop_asked:
+            raise KeyboardInterrupt
+        self._stop_asked = True
+
+    def _steps(self) -> None:
+        self.solver.prepare()  # compile before the clock runs
+        self._mark = (time.perf_counter(), self.solver.reading.steps)
+        while self.solver.reading.time < self.until and not self._stop_asked:
+            target = min(self.next_snapshot * self.interval, self.until)
+            if self.until - target < 1e-6 * self.interval:
+                target = self.until
+            start = time.perf_counter()
+            self._paused = 0.0
+            self.solver.advance(target, self._on_batch)
+            self.step_wall += time.perf_counter() - start - self._paused
+            if not self._stop_asked:
+                self._row()
+                self._output()
+
+    def _on_batch(self, now: Reading) -> bool:
+        """Write what is due between two batches of steps; tells the solver whether to stop."""
+        start = time.perf_counter()
+        if now.time >= self.next_row:
+            self._row()
+        rate = (now.steps - self._mark[1]) * len(self.data.x) / max(start - self._mark[0], 1e-9)
+        self.progress.update(
+            time=now.time, step=now.steps, dt=now.dt, energy_error=self.balance.energy_error, rate=rate
+        )
+        self._paused += time.perf_counter() - start
+        return self._stop_asked
+
+    def _row(self) -> None:
+        """Write a row of the history, one for each time, and compare the ledger with the first one."""
+        now = self.solver.reading
+        if now.time == self._row_time:
+            return
+        self._row_time, ledger = now.time, self.solver.ledger()
+        self.balance.update(ledger)
+        values = [now.time, now.steps, now.dt, energy(ledger), self.balance.energy_error]
+        values += [ledger[name] for name, _ in LEDGER_COLUMNS]
+        values += [-ledger["tension_max"], -ledger["rarefaction_max"]]
+        self.history.write(values + list(self._measures().values()))
+        while self.next_row <= now.time:
+            self.next_row += self.until / HISTORY_ROWS
+
+    def _measures(self) -> dict[str, float]:
+        if not self.data.measures:
+            return {}
+        state = self.solver.state()
+        found = {name: float(measure.function(state)) for name, measure in self.data.measures.items()}
+        for name, highest in self.peaks.items():
+            found[name] = self.peaks[name] = max(highest, found[name])
+        return found
+
+    def _output(self) -> None:
+        """Write a snapshot and a checkpoint; rebuild the rows, as a restart from here does."""
+        self._snapshot()
+        self.next_snapshot += 1
+        self._checkpoint()
+        self.solver.relist()
+
+    def _snapshot(self) -> None:
+        folder = self.out / "snapshots"
+        snapshot.write(folder / f"{self.data.name}_{self.next_snapshot:04d}.vtkhdf", self.solver.state())
+        snapshot.series(folder)
+
+    def _checkpoint(self) -> None:
+        arrays, solver = self.solver.save()
+        info = {
+            "solver": solver, "balance": self.balance.save(), "parameters": self.parameters,
+            "time": self.solver.reading.time, "until": self.until, "interval": self.interval,
+            "next_snapshot": self.next_snapshot, "next_row": self.next_row, "neighbours": self.neighbours,
+            "peaks": self.peaks, "step_wall": self.step_wall, "wall": self._elapsed(), "device": self.solver.launcher.device.alias,
+        }  # fmt: skip
+        checkpoint.save(self.out / "checkpoint.h5", arrays, info)
+
+    def _last_words(self, why: str) -> None:
+        """Leave what is needed to look at a run that stopped early, and to go on after an interruption."""
+        self.warnings.append(why)
+        self._snapshot()
+        if self._stop_asked:
+            self._checkpoint()
+        self._summary()
+
+    def _elapsed(self) -> float:
+        return self.wall + time.perf_counter() - self._started
+
+    def _summary(self) -> dict[str, Any]:
+        summary = self._facts()
+        atomic.write(self.out / "summary.json", json.dumps(summary, indent=2, default=str).encode())
+        return summary
+
+    def _facts(self) -> dict[str, Any]:
+        """Everything summary.json says; ns_per_particle_step counts the step loop alone."""
+        now, data, ledger = self.solver.reading, self.data, self.solver.ledger()
+        self.balance.update(ledger)
+        n, steps = len(data.x), max(now.steps, 1)
+        neighbours = sum([*self.neighbours, self.solver.mean_neighbours()]) / (len(self.neighbours) + 1)
+        per_step = 1e9 * self.step_wall / (n * steps)
+        clipped = int(ledger["eos_clipped"])
+        warnings = list(self.warnings)
+        if clipped:
+            warnings.append(f"the equation of state left its range in {clipped} particle-steps")
+        return {
+            "scene": data.name, "scheme": data.numerics.scheme, "parameters": self.parameters,
+            "device": f"{self.solver.launcher.device.alias} ({self.solver.launcher.device.name})",
+            "precision": self.solver.precision, "threads": self.solver.launcher.threads,
+            "particles": n, "particles_per_body": {b: int((data.body == k).sum()) for k, b in enumerate(data.bodies)},
+            "dim": data.dim, "steps": now.steps, "time": now.time, "dt_min": now.dt_min if now.steps else 0.0, "dt_max": now.dt_max,
+            "wall_s": self._elapsed(), "step_wall_s": self.step_wall, "ns_per_particle_step": per_step,
+            "mean_neighbours": neighbours, "ns_per_pair": per_step / neighbours if neighbours else 0.0,
+            "neighbour_builds": self.solver.neighbours.builds,
+            "energy_error": self.balance.energy_error, "momentum_error": self.balance.momentum_error,
+            "angular_momentum_error": self.balance.angular_momentum_error,
+            "measures": self._measures(), "warnings": warnings, "version": __version__,
+        }  # fmt: skip
+
+    def _frames(self, summary: dict[str, Any]) -> None:
+        """Draw the frames; a machine that cannot draw has still run the scene."""
+        from .render import render
+
+        try:
+            render(self.out)
+        except RunError as error:
+            self.warnings.append(f"no frames: {error}")
+            summary["warnings"].append(self.warnings[-1])
+            atomic.write(self.out / "summary.json", json.dumps(summary, indent=2, default=str).encode())
+
+
+def _columns(data: SceneData) -> list[tuple[str, str]]:
+    first = [("time", "s"), ("step", "1"), ("dt", "s"), ("total_energy", "J"), ("energy_error", "1")]
+    last = [("pressure_min", "Pa"), ("density_min", "kg/m^3")]
+    return first + list(LEDGER_COLUMNS) + last + [(name, m.unit) for name, m in data.measures.items()]
+
+
+def _in_main_thread() -> bool:
+    return threading.current_thread() is threading.main_thread()
