@@ -53,7 +53,7 @@ def make_integrate(s: Spec) -> IntegrateKernels:
         twist: wp.array[vec],
         work: wp.array[real],
     ):
-        """V' = v + dt A, e' = e + dt (B - A·(v + v')/2) with B - A·v = dedt (section 11).
+        """v' = v + dt A, e' = e + dt (B - A·(v + v')/2) with B - A·v = dedt (section 11).
 
         Where a component is prescribed it keeps its velocity; the momentum, angular momentum and energy
         that the constraint gives are booked in impulse [N s], twist [N m s] and work [J].
@@ -87,7 +87,7 @@ def make_integrate(s: Spec) -> IntegrateKernels:
         # out:
         x: wp.array[vec],
     ):
-        """X' = x + dt v': positions follow the new velocity, so that elastic waves neither grow nor decay."""
+        """x' = x + dt v': positions follow the new velocity, so that elastic waves neither grow nor decay."""
         i = wp.tid() + offset
         x[i] = x[i] + dt[0] * v[i]
 

@@ -66,7 +66,7 @@ def make_switches(s: Spec) -> Switches:
         # out:
         av_switch: wp.array[real],
     ):
-        """F = |div v| / (|div v| + |curl v| + 1e-4 c/h) [-] (Balsara 1995; section 3, BAL)."""
+        """f = |div v| / (|div v| + |curl v| + 1e-4 c/h) [-] (Balsara 1995; section 3, BAL)."""
         i = wp.tid() + offset
         if dt[0] == real(0.0):
             return

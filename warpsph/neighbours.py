@@ -3,6 +3,7 @@
 import numpy as np
 import warp as wp
 
+from .errors import InputError, RunError
 from .kernels.neighbours import make_neighbours
 from .launch import Launcher
 from .particles import Particles
@@ -14,7 +15,7 @@ GROWTH = 1.2
 CELLS = {1: (4096, 1, 1), 2: (256, 256, 1), 3: (64, 64, 64)}
 """Cells of the hash grid; the grid wraps around, so a larger domain only costs a few more distance checks."""
 
-SORT_EVERY = 5
+SORT_EVERY = 20
 """Particles are re-sorted in memory at every so many rebuilds."""
 
 MAX_PARTICLES = 1 << 28
@@ -44,8 +45,14 @@ class Neighbours:
     def __init__(
         self, particles: Particles, launcher: Launcher, planes, *, spacing: float, support: float, skin: float
     ):
-        """Allocate for particles that interact within ``support`` [m]; ``skin`` [m] is added."""
+        """Allocate for particles that interact within ``support`` [m]; ``skin`` [m] is added.
+
+        Raises:
+            InputError: There are more particles than an entry can name.
+        """
         spec, n = particles.spec, particles.n
+        if n > MAX_PARTICLES:
+            raise InputError(f"particles = {n} is out of range; allowed: up to {MAX_PARTICLES} on one device")
         self._particles, self._launcher = particles, launcher
         self.tiles = Tiles(particles, launcher, spacing)
         self.support, self.radius = support, support + skin
@@ -91,11 +98,17 @@ class Neighbours:
         )  # fmt: skip
 
     def _enlarge(self) -> None:
-        """Make room for what the last filling counted."""
+        """Make room for what the last filling counted.
+
+        Raises:
+            RunError: Offsets no longer fit into 32 bits.
+        """
         n = self._particles.n
         self._launcher.launch(self._kernels.reserve, n, self, room=self._room)
         wp.utils.array_scan(self._room, self.start, inclusive=False)
         total = int(self.start[n:].numpy()[0])
+        if total < 0:
+            raise RunError(f"the neighbour rows of {n} particles need more than {2**31 - 1} entries")
         if total > self.neigh.size:
             self._allocate(int(GROWTH * total))
             self.generation += 1
