@@ -5,7 +5,6 @@ import warp as wp
 
 from warpsph.kernels.spec import Spec
 
-wp.config.quiet = True
 wp.config.launch_array_access_mode = wp.config.LaunchArrayAccessMode.STRICT  # the default checks no devices
 
 REALS = (wp.float32, wp.float64)

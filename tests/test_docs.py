@@ -67,4 +67,3 @@ def test_links_and_file_names_lead_somewhere(page):
         assert "://" in target or (page.parent / target).exists(), target
     for name in re.findall(r"`((?:kernels|scenes|warpsph|tests|scripts|docs)/[\w./]+)`", text):
         assert (ROOT / name).exists(), name
-    assert "/work" not in text
