@@ -5,6 +5,7 @@ import functools
 import warp as wp
 
 from .spec import Spec
+from .tensor import make_tensor
 
 EPSILON = 0.3
 """Strength of the artificial stress; the exponent n = 4 is in the pair loop."""
@@ -14,7 +15,8 @@ EPSILON = 0.3
 def make_artificial_stress(s: Spec) -> wp.Kernel:
     """Build the kernel: closed form in 1D and 2D, a symmetric eigendecomposition in 3D."""
     real, mat = s.real, s.mat
-    eps, half, zero = real(EPSILON), real(0.5), real(0.0)
+    eps, half, zero, two_thirds = real(EPSILON), real(0.5), real(0.0), real(2.0 / 3.0)
+    tensor = make_tensor(s)
 
     if s.dim == 1:
 
@@ -48,7 +50,10 @@ def make_artificial_stress(s: Spec) -> wp.Kernel:
 
         @wp.func
         def tensile(T: mat):
-            """The tensile part of the stress, Σ max(s_k, 0) n_k ⊗ n_k."""
+            """The tensile part of the stress, Σ max(s_k, 0) n_k ⊗ n_k; no s_k exceeds the mean plus 2/3 of von Mises."""
+            dev = tensor.deviator(T)
+            if wp.trace(T) / real(3.0) + two_thirds * tensor.von_mises(dev) <= zero:
+                return mat()
             Q, d = wp.eig3(half * (T + wp.transpose(T)))
             return Q * wp.diag(wp.max(d, s.vec())) * wp.transpose(Q)
 
