@@ -107,6 +107,7 @@ class Solver:
         self.particles.av_switch.fill_(self._scheme.first_switch)
         self._run_still(self._scheme.settle(self._bind) + self._scheme.derive(self._bind))
         self.neighbours.build()
+        self._run_still(self._scheme.probe(self._bind))
 
     def _run_still(self, commands: list[Command]) -> None:
         """Run launches outside of a step, with the velocity gradient as it is (zero at the start)."""

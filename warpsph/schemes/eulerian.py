@@ -47,6 +47,10 @@ class Eulerian:
         """The launch that makes pressure, stress and volume agree with the scene's density and energy."""
         return [bind(self._constitutive)]
 
+    def probe(self, bind) -> list:
+        """The launches that find forces and approach speeds without a step: they limit the very first one."""
+        return [bind(kernel) for kernel in (self._correction, self._momentum) if kernel is not None]
+
     def derive(self, bind) -> list:
         """The launches that refill what one step leaves for the next and no checkpoint holds."""
         return [bind(self._artificial_stress)] if self._artificial_stress else []
