@@ -43,8 +43,8 @@ def validate(
         raise InputError(f"case {case!r} is unknown; allowed: {', '.join(CASES)}")
     progress = progress or Progress()
     outside: list[str] = []
+    origin = report.facts(find_device(device))  # before the first report makes the checkout dirty
     for chosen in [CASES[case]] if case else CASES.values():
-        origin = report.facts(find_device(device))
         found = _run_case(chosen, Path(out), device, progress)
         for part in chosen.tables:
             outside += _outside(part, found)
