@@ -160,7 +160,7 @@ class Solver:
     def _bind_step(self) -> None:
         """Bind the launches of a step again if neighbour rows have moved in memory."""
         if self._bound != self.neighbours.generation:
-            self._planning = self._scheme.plan(self._bind, self._blocks.count)
+            self._planning = self._scheme.plan(self._bind, self._blocks.count, self.neighbours.tiles.most)
             self._program = self._scheme.step(self._bind) + self._planning
             self._bound = self.neighbours.generation
 

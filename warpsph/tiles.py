@@ -9,18 +9,19 @@ from .particles import Particles
 PER_TILE = 128
 """Particles a tile is meant to hold."""
 
-MOST = 512
-"""Tiles at most: every step compares each with each. Where there are more, tiles grow."""
+MOST_CPU, MOST_CUDA = 512, 4096
+"""Tiles at most: every step compares each with each. Where there are more, tiles grow. A GPU needs them as threads."""
 
 
 class Tiles:
     """Members and boxes of the tiles, and how far their particles have moved.
 
     Attributes:
+        most: Tiles at most.
         member: Particle indices tile by tile, shape [2 n] (the second half is work space of the sort).
         tile_start: First place of a tile in ``member``, shape [n + 1].
         n_tiles: Number of tiles, shape [1].
-        box_low: Lower corners of the tiles at the last build [m], shape [MOST, 3].
+        box_low: Lower corners of the tiles at the last build [m], shape [most, 3].
         box_high: Upper corners of the tiles at the last build [m].
         moved_low: Lower bounds of the displacements since then [m].
         moved_high: Upper bounds of the displacements since then [m].
@@ -30,7 +31,8 @@ class Tiles:
     def __init__(self, particles: Particles, launcher: Launcher, spacing: float):
         n, spec = particles.n, particles.spec
         self._particles, self._launcher, self._kernels = particles, launcher, make_tiles(spec)
-        per_tile = max(PER_TILE, 4 * n // MOST)
+        self.most = MOST_CUDA if launcher.device.is_cuda else MOST_CPU
+        per_tile = max(PER_TILE, 4 * n // self.most)
         self._width = spacing * per_tile ** (1.0 / spec.dim)
         with wp.ScopedDevice(launcher.device):
             self._key = wp.zeros(2 * n, dtype=wp.int32)
@@ -39,14 +41,14 @@ class Tiles:
             self.member = wp.zeros(2 * n, dtype=wp.int32)
             self.tile_start = wp.zeros(n + 1, dtype=wp.int32)
             self.n_tiles = wp.zeros(1, dtype=wp.int32)
-            self.box_low = wp.zeros(MOST, dtype=spec.vec)
-            self.box_high = wp.zeros(MOST, dtype=spec.vec)
-            self.moved_low = wp.zeros(MOST, dtype=spec.vec)
-            self.moved_high = wp.zeros(MOST, dtype=spec.vec)
-            self.tile_wear = wp.zeros(MOST, dtype=spec.real)
+            self.box_low = wp.zeros(self.most, dtype=spec.vec)
+            self.box_high = wp.zeros(self.most, dtype=spec.vec)
+            self.moved_low = wp.zeros(self.most, dtype=spec.vec)
+            self.moved_high = wp.zeros(self.most, dtype=spec.vec)
+            self.tile_wear = wp.zeros(self.most, dtype=spec.real)
 
     def build(self, plane, plane_mask: int) -> None:
-        """Sort the particles into tiles; tiles grow until there are no more than `MOST`."""
+        """Sort the particles into tiles; tiles grow until there are no more than ``most``."""
         p, k, launch, n = self._particles, self._kernels, self._launcher.launch, self._particles.n
         while True:
             launch(k.keys, n, p, width=self._width, key=self._key, member=self.member)
@@ -54,7 +56,7 @@ class Tiles:
             launch(k.heads, n, key=self._key, head=self._head)
             wp.utils.array_scan(self._head, self._number, inclusive=True)
             launch(k.starts, n, self, head=self._head, number=self._number, n=n)
-            if int(self.n_tiles.numpy()[0]) <= MOST:
+            if int(self.n_tiles.numpy()[0]) <= self.most:
                 break
             self._width *= 1.5
-        launch(k.boxes, MOST, self, p, plane=plane, plane_mask=plane_mask)
+        launch(k.boxes, self.most, self, p, plane=plane, plane_mask=plane_mask)

@@ -12,7 +12,6 @@ from warpsph.kernels.spec import Spec
 from warpsph.kernels.tiles import make_tiles
 from warpsph.kernels.timestep import make_timestep
 from warpsph.kernels.viscosity import MORRIS_MIN, make_switches
-from warpsph.tiles import MOST
 
 from . import EulerianSettings
 
@@ -55,11 +54,11 @@ class Eulerian:
         """The launches that refill what one step leaves for the next and no checkpoint holds."""
         return [bind(self._artificial_stress)] if self._artificial_stress else []
 
-    def plan(self, bind, n_blocks: int) -> list:
+    def plan(self, bind, n_blocks: int, n_tiles: int) -> list:
         """How far the next step may go, and whether it may be taken at all."""
         sequence = [
-            (self._tiles.motion, MOST),  # whether the neighbour rows
-            (self._tiles.wear, MOST),  # still hold every pair
+            (self._tiles.motion, n_tiles),  # whether the neighbour rows
+            (self._tiles.wear, n_tiles),  # still hold every pair
             (self._timestep.local, n_blocks),  # dt_a from the state
             (self._timestep.decide, 1),  # dt and verdict
         ]
