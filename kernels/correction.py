@@ -5,7 +5,6 @@ g_ab = K (∇_a W_ab - G W_ab): K = 1, G = 0 is the plain gradient, the fallback
 """
 
 import functools
-from typing import NamedTuple
 
 import warp as wp
 
@@ -99,15 +98,8 @@ def make_correction(s: Spec, smoothing: Smoothing, planes: bool) -> wp.Kernel:
     return correction
 
 
-class Gradient(NamedTuple):
-    """Pair gradient as a device function, and whether it is corrected."""
-
-    of_pair: wp.Function
-    corrected: bool
-
-
 @functools.cache
-def make_gradient(s: Spec, corrected: bool) -> Gradient:
+def make_gradient(s: Spec, corrected: bool) -> wp.Function:
     """Build g_ab(xij, dw, w, K, G, h, limit): corrected and limited, or the plain ∇W = dw xij."""
     real, vec, mat = s.real, s.vec, s.mat
     tensor = make_tensor(s)
@@ -119,7 +111,7 @@ def make_gradient(s: Spec, corrected: bool) -> Gradient:
         def of_pair(xij: vec, dw: real, w_ij: real, K: mat, G: vec, h: real, limit: real):
             return dw * xij
 
-        return Gradient(of_pair, False)
+        return of_pair
 
     @wp.func
     def of_pair(xij: vec, dw: real, w_ij: real, K: mat, G: vec, h: real, limit: real):
@@ -134,4 +126,4 @@ def make_gradient(s: Spec, corrected: bool) -> Gradient:
                     g = plain
         return g
 
-    return Gradient(of_pair, True)
+    return of_pair

@@ -15,7 +15,7 @@ from .tensor import make_tensor
 def make_kinematics(s: Spec, smoothing: Smoothing, corrected: bool, planes: bool) -> wp.Kernel:
     """Build the velocity-gradient loop."""
     real, vec, mat = s.real, s.vec, s.mat
-    mirror, tensor, gradient = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
+    mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     w = smoothing.w
     dim = s.dim
     variant = "_".join(p for p in (smoothing.name, "corrected" * corrected, "planes" * planes) if p)
@@ -59,7 +59,7 @@ def make_kinematics(s: Spec, smoothing: Smoothing, corrected: bool, planes: bool
             w_ij = real(0.0)
             if wp.static(corrected):
                 w_ij = w(wp.sqrt(tensor.dot(xij, xij)), h)
-            g = gradient.of_pair(xij, slope[k], w_ij, K[own], G[own], h, gradient_ratio)
+            g = of_pair(xij, slope[k], w_ij, K[own], G[own], h, gradient_ratio)
             u = vol[j] * vji
             xx += u[0] * g[0]
             if wp.static(dim > 1):

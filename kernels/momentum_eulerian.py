@@ -39,10 +39,10 @@ class PairTerms:
 def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
     """Build the momentum and energy loop for one set of terms."""
     real, vec, mat = s.real, s.vec, s.mat
-    mirror, tensor, gradient = make_mirror(s, terms.planes), make_tensor(s), make_gradient(s, terms.corrected)
+    mirror, tensor, of_pair = make_mirror(s, terms.planes), make_tensor(s), make_gradient(s, terms.corrected)
     viscosity = make_viscosity(s)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    dot, product, of_pair = tensor.dot, tensor.product, gradient.of_pair
+    dot, product = tensor.dot, tensor.product
     switched, stressed = terms.switched, terms.artificial_stress
     half = real(0.5)
     dim, on = s.dim, wp.constant(int(terms.corrected))

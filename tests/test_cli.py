@@ -13,7 +13,7 @@ import warpsph
 from warpsph import cli, info
 from warpsph.errors import InputError, RunError
 from warpsph.state import State
-from warpsph.storage import snapshot
+from warpsph.storage import folder, snapshot
 
 SCENE = '''
 """A drop on a plate."""
@@ -186,10 +186,14 @@ def test_force_allows_a_folder_that_is_in_use(scene, runner, command, tmp_path):
     assert runner.calls[0][1]["force"] is True
 
 
+def test_every_public_name_is_there():
+    assert all(getattr(warpsph, name) is not None for name in warpsph.__all__)
+
+
 def test_a_folder_without_permission_is_refused(monkeypatch, tmp_path):
-    monkeypatch.setattr(cli.os, "access", lambda path, mode: False)
+    monkeypatch.setattr(folder.os, "access", lambda path, mode: False)
     with pytest.raises(InputError, match="no permission"):
-        cli._check_output(tmp_path / "a" / "b", force=True)
+        folder.check(tmp_path / "a" / "b", force=True)
 
 
 @pytest.mark.parametrize(

@@ -26,7 +26,7 @@ _EXPORTS = {
 }  # fmt: skip
 """Public names by the module that defines them."""
 
-_MODULES = ("cli", "fields", "lattices", "materials", "run", "scene", "shapes", "snapshot", "solver")
+_MODULES = ("cli", "fields", "lattices", "materials", "run", "scene", "shapes", "solver", "storage")
 """Modules that a user may want as a whole, for example ``warpsph.run.run(scene, "out")``."""
 
 _HOME = {name: module for module, names in _EXPORTS.items() for name in names}

@@ -8,7 +8,7 @@ CUDA_BLOCKS = 2048
 
 
 class Blocks:
-    """Deal of n particles to blocks of neighbours in memory, and so, as memory is sorted by cell, in space.
+    """Deal of n particles to blocks of neighbours in memory.
 
     Attributes:
         count: Number of blocks.

@@ -3,7 +3,6 @@
 import contextlib
 import inspect
 import math
-import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -15,6 +14,7 @@ from . import __version__, library
 from .errors import InputError, RunError
 from .library import SceneFile
 from .progress import Progress, quiet_warp
+from .storage import folder as output_folder
 
 INPUT, STOPPED, INTERRUPTED = 2, 3, 130
 """Exit codes besides 0: bad input, a run that had to stop, Ctrl-C."""
@@ -161,7 +161,7 @@ def run(
     """
     out = out or Path("runs", file.name)
     _check_limits(until, threads)
-    _check_output(out, force)
+    output_folder.check(out, force)
     with _reporting(device) as progress:
         from .run import run as run_scene
 
@@ -378,23 +378,6 @@ def _check_limits(until: float | None, threads: int | None) -> None:
         raise InputError(f"--until {until:g} is not allowed; allowed: a positive time [s]")
     if threads is not None and threads < 1:
         raise InputError(f"--threads {threads} is not allowed; allowed: 1 or more")
-
-
-def _check_output(out: Path, force: bool) -> None:
-    """Check that results can go into a folder, without touching it.
-
-    Raises:
-        InputError: If it is a file, holds something (unless ``force``), or cannot be written.
-    """
-    parent = next(folder for folder in (out, *out.absolute().parents) if folder.exists())
-    if not parent.is_dir():
-        raise InputError(f"output folder {out} cannot be made: {parent} is a file")
-    if not os.access(parent, os.W_OK | os.X_OK):
-        raise InputError(f"output folder {out} cannot be written: no permission in {parent}")
-    if parent == out and not force and any(out.iterdir()):
-        raise InputError(
-            f"output folder {out} is not empty; use --force, another --out, or `warpsph resume {out}`"
-        )
 
 
 def _print_summary(summary: dict[str, Any], out: Path) -> None:

@@ -7,8 +7,6 @@ user sees in snapshots, on the command line and in pictures.
 from dataclasses import dataclass
 from typing import Literal
 
-from .errors import InputError
-
 
 @dataclass(frozen=True)
 class Field:
@@ -62,9 +60,7 @@ FIELDS: tuple[Field, ...] = (
     Field("clipped", "int", "1", "eos_clipped", "steps in which the equation of state left its range", False),
     Field("dvdx", "mat", "1/s", "velocity_gradient", "velocity gradient, [i, j] = dv_i/dx_j", False),
     Field("mu", "real", "m/s", "approach_speed", "largest |mu_ab| of the artificial viscosity", False),
-    Field(
-        "impulse", "vec", "N s", "constraint_impulse", "impulse given by constraints and planes so far", False
-    ),
+    Field("impulse", "vec", "N s", "constraint_impulse", "impulse given by constraints so far", False),
     Field("work", "real", "J", "constraint_work", "work done by constraints so far", False),
     Field("twist", "vec", "N m s", "constraint_twist", "angular impulse given by constraints so far", False),
     Field("av_switch", "real", "1", "viscosity_switch", "factor on the artificial viscosity", False),
@@ -73,16 +69,4 @@ FIELDS: tuple[Field, ...] = (
 """Every quantity. A field is never renamed or reordered silently: old snapshots stay readable."""
 
 BY_NAME = {f.name: f for f in FIELDS}
-BY_TITLE = {f.title: f for f in FIELDS}
-
-
-def field(title: str) -> Field:
-    """Look a field up by its title or its symbol.
-
-    Raises:
-        InputError: If there is no such field; names the ones that exist.
-    """
-    found = BY_TITLE.get(title) or BY_NAME.get(title)
-    if found is None:
-        raise InputError(f"field {title!r} does not exist; allowed: {', '.join(BY_TITLE)}")
-    return found
+"""The table by symbol."""

@@ -1,6 +1,5 @@
 """Run a scene into a folder, or go on with a run."""
 
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -9,10 +8,7 @@ from .job import Job
 from .progress import Progress
 from .scene import Scene
 from .solver import Solver
-from .storage import atomic, checkpoint
-
-OURS = ("summary.json", "history.csv", "checkpoint.h5", "scene.py", "plot.png", "snapshots", "frames")
-"""What a run writes, and so what ``--force`` clears."""
+from .storage import atomic, checkpoint, folder
 
 
 def run(
@@ -52,7 +48,7 @@ def run(
     data = scene.finalize()
     solver = Solver(data, device=device, precision=precision, threads=threads)
     out = Path(out)
-    _prepare(out, force)
+    folder.prepare(out, force)
     if source is not None:
         atomic.write(out / "scene.py", source.encode())
     job = Job(solver, out, data.until if until is None else until, parameters or {}, progress or Progress())
@@ -103,25 +99,3 @@ def resume(
     job = Job(solver, out, end, info["parameters"], progress or Progress())
     job.go_on(arrays, info)
     return job.finish(frames)
-
-
-def _prepare(out: Path, force: bool) -> None:
-    """Make the folder, or clear an earlier run's files from it.
-
-    Raises:
-        InputError: It is a file, cannot be written, or holds something and ``force`` is off.
-    """
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        if not force and any(out.iterdir()):
-            raise InputError(
-                f"output folder {out} is not empty; use --force, another --out, or `warpsph resume {out}`"
-            )
-        for name in OURS:
-            if (out / name).is_dir():
-                shutil.rmtree(out / name)
-            else:
-                (out / name).unlink(missing_ok=True)
-        (out / "snapshots").mkdir()
-    except OSError as error:
-        raise InputError(f"output folder {out} cannot be written: {error.strerror}") from error

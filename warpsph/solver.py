@@ -12,7 +12,7 @@ from .clock import Clock, Reading
 from .errors import InputError, RunError
 from .kernels.ledger import MAXIMA, SUMS, make_ledger
 from .kernels.spec import Spec
-from .kernels.timestep import COLLAPSED, NON_FINITE, RUNNING, STALE
+from .kernels.timestep import ACCELERATION_CFL, COLLAPSED, NON_FINITE, RUNNING, STALE, VISCOUS_SHARE
 from .launch import SMALLEST_BLOCK_SLICE, SMALLEST_SLICE, Command, Launcher
 from .materials import pack
 from .neighbours import Neighbours
@@ -239,13 +239,13 @@ class Solver:
             ]
             cause = f"{', '.join(which)} not finite"
         else:
-            speed = p["cl"] + 0.6 * p["av_switch"] * (
+            speed = p["cl"] + VISCOUS_SHARE * p["av_switch"] * (
                 self._constants.viscosity_alpha * p["cs"] + self._constants.viscosity_beta * p["mu"]
             )
             accel = np.linalg.norm(p["dvdt"], axis=1)
             limit = np.minimum(
                 self._constants.cfl * self.data.h / speed,
-                0.25 * np.sqrt(self.data.h / np.maximum(accel, 1e-300)),
+                ACCELERATION_CFL * np.sqrt(self.data.h / np.maximum(accel, 1e-300)),
             )
             i = int(np.argmin(limit))
             cause = f"time step collapsed to {limit[i]:.3g} s (wave speed {p['cl'][i]:.3g} m/s, acceleration {accel[i]:.3g} m/s^2)"
