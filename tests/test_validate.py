@@ -6,7 +6,8 @@ import pytest
 from warpsph import library
 from warpsph.errors import InputError, RunError
 from warpsph.quality import cases, report, validate
-from warpsph.quality.cases import CASES, Case, Figure, Row, Table
+from warpsph.quality.cases import CASES
+from warpsph.quality.cases.tables import Case, Figure, Row, Table
 from warpsph.state import State
 
 HVI = library.load("hvi_2d")

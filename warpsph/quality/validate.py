@@ -13,7 +13,8 @@ from warpsph.run import run
 from warpsph.storage import atomic
 
 from . import report
-from .cases import CASES, Case, Figure, Row, Table
+from .cases import CASES
+from .cases.tables import Case, Figure, Row, Table
 
 INSIDE, OUTSIDE = "✓", "✗"
 """Marks of a figure in and out of the range that is expected of it."""

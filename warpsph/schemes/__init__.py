@@ -14,6 +14,7 @@ class EulerianSettings:
         correction: Mixed kernel-and-gradient correction (section 2).
         gradient_ratio: ``Cf`` of the correction's limiter.
         artificial_stress: Gray et al.'s artificial stress.
+        exact_energy: The stepping of section 11; else e' = e + dt de/dt with the velocity at the start of the step.
     """
 
     viscosity: str
@@ -22,6 +23,30 @@ class EulerianSettings:
     correction: bool = False
     gradient_ratio: float = 7.5
     artificial_stress: bool = False
+    exact_energy: bool = True
+
+
+@dataclass(frozen=True)
+class GodunovSettings:
+    """Compile-time choices of the Godunov family (method section 10).
+
+    Attributes:
+        split: Time split into a deviatoric and a hydrodynamic stage; else Parshikov & Medin's scheme.
+        order: Order in space, 1 or 2 (time split only).
+        correction: Mixed kernel-and-gradient correction (section 2).
+        gradient_ratio: ``Cf`` of the correction's limiter.
+        exact_energy: The stepping of section 11; else e' = e + dt de/dt with the velocity at the start of the step.
+    """
+
+    split: bool
+    order: int = 1
+    correction: bool = False
+    gradient_ratio: float = 7.5
+    exact_energy: bool = True
+
+
+Settings = EulerianSettings | GodunovSettings
+"""Settings of a scheme of any family."""
 
 
 def _variants() -> dict[str, EulerianSettings]:
@@ -43,5 +68,20 @@ def _variants() -> dict[str, EulerianSettings]:
     return table
 
 
-SCHEMES: dict[str, EulerianSettings] = _variants()
+def _connolly() -> dict[str, Settings]:
+    """Schemes of Connolly et al. 2013; ``con`` is what Young et al. call Parshikov & Medin's."""
+    table: dict[str, Settings] = {
+        "av": EulerianSettings("monaghan", 1.0, 1.0),
+        "av-explicit": EulerianSettings("monaghan", 1.0, 1.0, exact_energy=False),
+        "pm-explicit": GodunovSettings(split=False, exact_energy=False),
+        "con": GodunovSettings(split=False),
+    }
+    plain = {"pm": (False, 1), "ts1": (True, 1), "ts2": (True, 2)}
+    for name, (split, order) in plain.items():
+        table[name] = GodunovSettings(split, order)
+        table[f"{name}-mixed"] = GodunovSettings(split, order, correction=True)
+    return table
+
+
+SCHEMES: dict[str, Settings] = _variants() | _connolly()
 """Settings of every scheme by its name on the command line."""

@@ -1,0 +1,84 @@
+"""What a validation case is made of: figures, rows and tables."""
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One figure of a run's summary, as a column of a table.
+
+    Attributes:
+        name: Its name in the summary, or among the summary's measures.
+        title: Head of the column.
+        unit: Unit to show.
+        factor: Unit to show over the SI unit.
+        style: Format.
+        expected: Lowest and highest value expected, in the unit to show; None if nothing is.
+        decimals: A value is rounded so for the comparison: to the precision that the source prints.
+    """
+
+    name: str
+    title: str
+    unit: str = "1"
+    factor: float = 1.0
+    style: str = ".2f"
+    expected: tuple[float, float] | None = None
+    decimals: int | None = None
+
+
+@dataclass(frozen=True)
+class Row:
+    """One run.
+
+    Attributes:
+        name: Name of the row, and of its folder.
+        parameters: Parameters of the scene.
+        paper: Published values by the name of the figure, in the unit to show.
+        precision: ``float64`` or ``float32``.
+        unexpected: Figures that nothing is expected of in this row.
+    """
+
+    name: str
+    parameters: dict[str, Any] = field(default_factory=dict)
+    paper: dict[str, float] = field(default_factory=dict)
+    precision: Literal["float64", "float32"] = "float64"
+    unexpected: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Table:
+    """Runs that belong into one table.
+
+    Attributes:
+        title: Heading.
+        figures: Columns.
+        rows: Runs.
+        others: Published rows that are not run, by name: values by the name of the figure, in the unit to show.
+    """
+
+    title: str
+    figures: tuple[Figure, ...]
+    rows: tuple[Row, ...]
+    others: dict[str, dict[str, float]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Case:
+    """One scene with the tables its runs fill.
+
+    Attributes:
+        scene: Name of the bundled scene, and of the case.
+        tables: The tables.
+    """
+
+    scene: str
+    tables: tuple[Table, ...]
+
+
+ENERGY = Figure("energy_error", "energy error", style=".1e", expected=(0.0, 1e-10))
+MOMENTUM = Figure("momentum_error", "momentum error", style=".1e", expected=(0.0, 1e-12))
+"""What every run in double precision is held to."""
+
+COST = (Figure("steps", "steps", style=".0f"), Figure("wall_s", "wall", "s", style=".0f"))
+"""What a run cost: not compared."""
