@@ -1,11 +1,12 @@
-"""Constitutive update: density, deviator, plastic flow, pressure (method sections 7 and 8)."""
+"""Constitutive update: density, pressure, deviator, plastic flow, damage (method sections 7 and 8)."""
 
 import functools
 
 import warp as wp
 
+from .damage import make_damage
 from .eos import make_eos
-from .material import make_material
+from .material import DamageId, make_material
 from .spec import Spec
 from .strength import make_strength
 from .tensor import make_tensor
@@ -15,56 +16,111 @@ PLANE_STRESS_TOLERANCE = 1.0e-9
 
 
 @functools.cache
-def make_constitutive(s: Spec, plane_stress: bool) -> wp.Kernel:
-    """Build the update; ``plane_stress`` (2D) finds the thickness rate that leaves sigma_zz = 0."""
+def make_constitutive(s: Spec, plane_stress: bool, split: bool) -> wp.Kernel:
+    """Build the update.
+
+    Args:
+        s: Specialisation.
+        plane_stress: Find the thickness rate that leaves sigma_zz = 0 (2D).
+        split: The density follows a rate of its own, ``div``, not tr L: a Riemann scheme sums them apart.
+    """
     real, matrix = s.real, s.mat
-    Material, eos, strength, tensor = make_material(s), make_eos(s), make_strength(s), make_tensor(s)
+    Material, tensor, eos = make_material(s), make_tensor(s), make_eos(s)
+    strength, damage, undamaged = make_strength(s), make_damage(s), int(DamageId.NONE)
     one, zero, stiff = real(1.0), real(0.0), real(4.0 / 3.0)
     tolerance = real(PLANE_STRESS_TOLERANCE if s.real is wp.float64 else 1.0e-5)
 
     @wp.func
-    def trial(m: Material, L: matrix, dt: real, rho: real, e: real, tau: matrix, ep: real):
-        """One strain increment: ρ' = ρ exp(-dt tr L), Jaumann + 2 G dev D, radial return, EOS, cut-off."""
-        rho_new = rho * wp.exp(-dt * wp.trace(L))
-        tau_new = tensor.rotate(tau, L, dt) + (real(2.0) * m.G * dt) * tensor.deviator(tensor.stretch(L))
-        tau_new, d_ep = strength.return_map(m, tau_new, ep)
+    def trial(
+        m: Material,
+        L: matrix,
+        div: real,
+        dt: real,
+        rho: real,
+        e: real,
+        tau: matrix,
+        ep: real,
+        T: real,
+        D: real,
+    ):
+        """One strain increment: ρ' = ρ exp(-dt div v), EOS, cut-off; Jaumann + 2 G dev D, radial return, damage."""
+        rho_new = rho * wp.exp(-dt * div)
         p, c, out_of_range = eos(m, rho_new, e)
-        return rho_new, tau_new, d_ep, wp.max(p, m.p_min), c, out_of_range
+        p = wp.max(p, m.p_min)
+        elastic = tensor.rotate(tau, L, dt) + (real(2.0) * m.G * dt) * tensor.deviator(tensor.stretch(L))
+        if m.damage == undamaged:
+            tau_new, d_ep = strength.return_map(m, elastic, ep, T, p, D, dt)
+            return rho_new, tau_new, d_ep, p, c, out_of_range, D
+        D_new = damage.tension(m, D, p)
+        tau_new, d_ep = strength.return_map(m, elastic, ep, T, p, D_new, dt)
+        grown = damage.growth(m, D_new, d_ep, d_ep / dt, T, p, tensor.von_mises(tau_new))
+        if grown >= one and D_new < one:  # the strength drops in this very step
+            tau_new, d_ep = strength.return_map(m, elastic, ep, T, p, grown, dt)
+        return rho_new, tau_new, d_ep, damage.pressure(m, grown, p), c, out_of_range, grown
 
     if plane_stress:
 
         @wp.func
-        def update(m: Material, L: matrix, dt: real, rho: real, e: real, tau: matrix, ep: real, c_old: real):
+        def update(
+            m: Material,
+            L: matrix,
+            div: real,
+            dt: real,
+            rho: real,
+            e: real,
+            tau: matrix,
+            ep: real,
+            T: real,
+            D: real,
+            c_old: real,
+        ):
             """Secant search for L_zz with sigma_zz = 0, started with the elastic slope dt (K + 4G/3)."""
             modulus = rho * c_old * c_old + stiff * m.G
             L0 = zero
-            rho_new, tau_new, d_ep, p, c, out = trial(m, L, dt, rho, e, tau, ep)
+            rho_new, tau_new, d_ep, p, c, out, D_new = trial(m, L, div, dt, rho, e, tau, ep, T, D)
             f0 = tau_new[2, 2] - p
             L1 = L0 - f0 / (dt * modulus)
             for _k in range(20):
                 if wp.abs(f0) > tolerance * modulus:
                     L[2, 2] = L1
-                    rho_new, tau_new, d_ep, p, c, out = trial(m, L, dt, rho, e, tau, ep)
+                    rho_new, tau_new, d_ep, p, c, out, D_new = trial(
+                        m, L, div + L1, dt, rho, e, tau, ep, T, D
+                    )
                     f1 = tau_new[2, 2] - p
                     slope = dt * modulus
                     if wp.abs(f1 - f0) > zero and (f1 - f0) / (L1 - L0) > real(0.1) * slope:
                         slope = (f1 - f0) / (L1 - L0)
                     L0, f0 = L1, f1
                     L1 = L0 - f0 / slope
-            return rho_new, tau_new, d_ep, p, c, out, L[2, 2]
+            return rho_new, tau_new, d_ep, p, c, out, D_new, L[2, 2]
 
     else:
 
         @wp.func
-        def update(m: Material, L: matrix, dt: real, rho: real, e: real, tau: matrix, ep: real, c_old: real):
-            rho_new, tau_new, d_ep, p, c, out = trial(m, L, dt, rho, e, tau, ep)
-            return rho_new, tau_new, d_ep, p, c, out, zero
+        def update(
+            m: Material,
+            L: matrix,
+            div: real,
+            dt: real,
+            rho: real,
+            e: real,
+            tau: matrix,
+            ep: real,
+            T: real,
+            D: real,
+            c_old: real,
+        ):
+            rho_new, tau_new, d_ep, p, c, out, D_new = trial(m, L, div, dt, rho, e, tau, ep, T, D)
+            return rho_new, tau_new, d_ep, p, c, out, D_new, zero
 
-    @wp.kernel(module=s.module(__name__, "plane_stress" if plane_stress else ""))
+    variant = [name for name, on in (("plane_stress", plane_stress), ("split", split)) if on]
+
+    @wp.kernel(module=s.module(__name__, "_".join(variant)))
     def constitutive(
         offset: wp.int32,
         # in:
         dvdx: wp.array[matrix],
+        div: wp.array[real],
         e: wp.array[real],
         m: wp.array[real],
         mat: wp.array[wp.int32],
@@ -74,6 +130,9 @@ def make_constitutive(s: Spec, plane_stress: bool) -> wp.Kernel:
         rho: wp.array[real],
         tau: wp.array[matrix],
         ep: wp.array[real],
+        ep_rate: wp.array[real],
+        T: wp.array[real],
+        D: wp.array[real],
         p: wp.array[real],
         cs: wp.array[real],
         cl: wp.array[real],
@@ -84,16 +143,20 @@ def make_constitutive(s: Spec, plane_stress: bool) -> wp.Kernel:
         p_low: wp.array[real],
         clipped: wp.array[wp.int32],
     ):
-        """ρ, τ, ε_p, p, c and σ = τ - p I after the step (sections 7-8), from dvdx and e at its end.
+        """ρ, τ, ε_p, T, D, p, c and σ = τ - p I after the step (sections 7-8), from dvdx and e at its end.
 
+        ``div`` is the rate of volume div v [1/s] of a scheme that splits it from dvdx, else 1 long and not read.
         In plane stress σ and the volume are those of the sheet: σ times, and V over, the thickness ratio.
         """
         i = wp.tid() + offset
         if dt[0] == zero:
             return
         row = materials[mat[i]]
-        rho_i, tau_i, d_ep, p_i, c_i, out, L_zz = update(
-            row, dvdx[i], dt[0], rho[i], e[i], tau[i], ep[i], cs[i]
+        rate = wp.trace(dvdx[i])
+        if wp.static(split):
+            rate = div[i]
+        rho_i, tau_i, d_ep, p_i, c_i, out, D_i, L_zz = update(
+            row, dvdx[i], rate, dt[0], rho[i], e[i], tau[i], ep[i], T[i], D[i], cs[i]
         )
         sheet = one
         if wp.static(plane_stress):
@@ -102,6 +165,11 @@ def make_constitutive(s: Spec, plane_stress: bool) -> wp.Kernel:
         rho[i] = rho_i
         tau[i] = tau_i
         ep[i] = ep[i] + d_ep
+        ep_rate[i] = d_ep / dt[0]
+        if d_ep > zero and row.Cv > zero:
+            T[i] = T[i] + strength.warming(row, tensor.von_mises(tau_i), d_ep, rho_i)
+        if row.damage != undamaged:
+            D[i] = D_i
         p[i] = p_i
         cs[i] = c_i
         cl[i] = wp.sqrt(c_i * c_i + stiff * row.G / rho_i)

@@ -1,4 +1,4 @@
-"""One row of the material table: what the device functions of EOS and strength read."""
+"""One row of the material table: what the device functions of EOS, strength and damage read."""
 
 import enum
 import functools
@@ -21,12 +21,25 @@ class EosId(enum.IntEnum):
 
 
 class StrengthId(enum.IntEnum):
-    """Strength law of a material; the switch in ``strength.py`` has one row for each."""
+    """Strength law of a material; the switch in ``strength.py`` has one row for each.
+
+    From JOHNSON_COOK on the flow stress is not linear in the plastic strain: the return needs an iteration.
+    """
 
     FLUID = 0
     ELASTIC = 1
     PERFECTLY_PLASTIC = 2
     LINEAR_HARDENING = 3
+    JOHNSON_COOK = 4
+    JOHNSON_HOLMQUIST_1 = 5
+
+
+class DamageId(enum.IntEnum):
+    """Damage law of a material; the switch in ``damage.py`` has one row for each but the first."""
+
+    NONE = 0
+    JOHNSON_COOK = 1
+    JOHNSON_HOLMQUIST_1 = 2
 
 
 @functools.cache
@@ -39,9 +52,11 @@ def _material(real: type) -> type:
 
         eos: wp.int32  # EosId
         strength: wp.int32  # StrengthId
+        damage: wp.int32  # DamageId
         rho0: real  # reference density [kg/m^3]
         c_min: real  # floor of the sound speed [m/s]
         p_min: real  # pressure cut-off [Pa], -inf for none
+        A_shock: real  # slope of the shock velocity, Us = c + A_shock u
         # equation of state
         K: real
         c0: real
@@ -61,6 +76,32 @@ def _material(real: type) -> type:
         G: real
         Y: real
         H: real
+        # Johnson-Cook
+        A: real
+        B: real
+        n: real
+        m: real
+        C: real
+        rate0: real
+        T0: real
+        Tm: real
+        Cv: real
+        chi: real
+        D1: real
+        D2: real
+        D3: real
+        D4: real
+        D5: real
+        # Johnson-Holmquist 1, with C and rate0 as above; its pressure of failure T is P_T here, T is a temperature
+        P_T: real
+        P1: real
+        s1: real
+        P2: real
+        s2: real
+        cf: real
+        sf_max: real
+        eps_f_max: real
+        P_max: real
 
     return Material
 

@@ -1,4 +1,8 @@
-"""Strength laws: flow stress, and the radial return onto the von Mises surface (method section 7)."""
+"""Strength laws: flow stress, the radial return onto the von Mises surface, plastic heat (method section 7).
+
+Each law is a device function ``(m: Material, ep, rate, T, p, D) -> (Y [Pa], H [Pa], S [Pa])`` of the plastic strain εp,
+its rate [1/s], the temperature T [K], the pressure p [Pa] and the damage D; H = dY/dεp, S = dY/d ln(rate).
+"""
 
 import functools
 import math
@@ -11,24 +15,66 @@ from .material import StrengthId, make_material
 from .spec import Spec
 from .tensor import make_tensor
 
+MAX_ITERATIONS = 40
+"""Most steps of the iteration for Δεp: the bisections that exhaust the digits of a float32 and then some."""
+
+ROUNDING = 16.0
+"""The iteration ends where the stress is off the yield surface by this many rounding units of the trial stress."""
+
 
 class Strength(NamedTuple):
     """Device functions of this file.
 
     Attributes:
-        flow_stress: ``(m: Material, ep) -> (Y [Pa], H [Pa])``, H = dY/dεp.
-        return_map: ``(m: Material, tau_trial, ep) -> (tau [Pa], d_ep)``.
+        flow_stress: ``(m: Material, ep, rate, T, p, D) -> (Y [Pa], H [Pa], S [Pa])``, H = dY/dεp, S = dY/d ln(rate).
+        return_map: ``(m: Material, tau_trial, ep, T, p, D, dt) -> (tau [Pa], d_ep)``.
+        warming: ``(m: Material, q, d_ep, rho) -> dT [K]`` of plastic work.
     """
 
     flow_stress: wp.Function
     return_map: wp.Function
+    warming: wp.Function
+
+
+@functools.cache
+def make_rate_factor(s: Spec) -> wp.Function:
+    """Build the factor that Johnson-Cook and Johnson-Holmquist share."""
+    return _rate_factor(s.real, make_material(s))
+
+
+@functools.cache
+def _rate_factor(real: type, Material: type) -> wp.Function:
+    @wp.func
+    def rate_factor(m: Material, C: real, rate: real):
+        """1 + C ln max(ε̇/ε̇0, 1), and its slope in ln ε̇."""
+        if rate <= m.rate0:
+            return real(1.0), real(0.0)
+        return real(1.0) + C * wp.log(rate / m.rate0), C
+
+    return rate_factor
+
+
+@functools.cache
+def make_homologous(s: Spec) -> wp.Function:
+    """Build the homologous temperature T*."""
+    return _homologous(s.real, make_material(s))
+
+
+@functools.cache
+def _homologous(real: type, Material: type) -> wp.Function:
+    @wp.func
+    def homologous(m: Material, T: real):
+        """T* = (T - T0)/(Tm - T0), from 0 to 1 at the melting point."""
+        return wp.clamp((T - m.T0) / (m.Tm - m.T0), real(0.0), real(1.0))
+
+    return homologous
 
 
 def _fluid(real: type, Material: type) -> wp.Function:
     @wp.func
-    def fluid(m: Material, ep: real):
+    def fluid(m: Material, ep: real, rate: real, T: real, p: real, D: real):
         """Y = 0."""
-        return real(0.0), real(0.0)
+        return real(0.0), real(0.0), real(0.0)
 
     return fluid
 
@@ -37,29 +83,69 @@ def _elastic(real: type, Material: type) -> wp.Function:
     infinity = real(math.inf)
 
     @wp.func
-    def elastic(m: Material, ep: real):
+    def elastic(m: Material, ep: real, rate: real, T: real, p: real, D: real):
         """Y = ∞."""
-        return infinity, real(0.0)
+        return infinity, real(0.0), real(0.0)
 
     return elastic
 
 
 def _perfectly_plastic(real: type, Material: type) -> wp.Function:
     @wp.func
-    def perfectly_plastic(m: Material, ep: real):
+    def perfectly_plastic(m: Material, ep: real, rate: real, T: real, p: real, D: real):
         """Y constant."""
-        return m.Y, real(0.0)
+        return real(m.Y), real(0.0), real(0.0)
 
     return perfectly_plastic
 
 
 def _linear_hardening(real: type, Material: type) -> wp.Function:
     @wp.func
-    def linear_hardening(m: Material, ep: real):
+    def linear_hardening(m: Material, ep: real, rate: real, T: real, p: real, D: real):
         """Y + H εp."""
-        return m.Y + m.H * ep, m.H
+        return m.Y + m.H * ep, real(m.H), real(0.0)
 
     return linear_hardening
+
+
+def _johnson_cook(real: type, Material: type) -> wp.Function:
+    rate_factor, homologous = _rate_factor(real, Material), _homologous(real, Material)
+    tiny = real(1e-30)
+
+    @wp.func
+    def johnson_cook(m: Material, ep: real, rate: real, T: real, p: real, D: real):
+        """(A + B εpⁿ)(1 + C ln max(ε̇/ε̇0, 1))(1 - T*ᵐ) (Johnson & Cook 1983)."""
+        hardening = m.B * wp.pow(ep, m.n)
+        R, slope = rate_factor(m, m.C, rate)
+        softening = real(1.0) - wp.pow(homologous(m, T), m.m)
+        cold = (m.A + hardening) * softening
+        H = m.n * hardening / wp.max(ep, tiny) * R * softening  # of εp = 0, where it may be infinite: 0
+        return cold * R, H, cold * slope
+
+    return johnson_cook
+
+
+def _johnson_holmquist_1(real: type, Material: type) -> wp.Function:
+    rate_factor = _rate_factor(real, Material)
+    zero, one = real(0.0), real(1.0)
+
+    @wp.func
+    def johnson_holmquist_1(m: Material, ep: real, rate: real, T: real, p: real, D: real):
+        """Lines through (T, 0), (P1, s1), (P2, s2), constant beyond; failed (D = 1): min(cf P, sf_max) for P > 0, else 0.
+
+        Both times 1 + C ln max(ε̇/ε̇0, 1) (Johnson & Holmquist 1991).
+        """
+        Y = real(m.s2)
+        if p < m.P1:
+            Y = m.s1 * wp.max((p - m.P_T) / (m.P1 - m.P_T), zero)
+        elif p < m.P2:
+            Y = m.s1 + (m.s2 - m.s1) * ((p - m.P1) / (m.P2 - m.P1))
+        if D >= one:
+            Y = wp.min(m.cf * wp.max(p, zero), m.sf_max)
+        R, slope = rate_factor(m, m.C, rate)
+        return Y * R, zero, Y * slope
+
+    return johnson_holmquist_1
 
 
 LAWS: dict[StrengthId, Callable[[type, type], wp.Function]] = {
@@ -67,24 +153,64 @@ LAWS: dict[StrengthId, Callable[[type, type], wp.Function]] = {
     StrengthId.ELASTIC: _elastic,
     StrengthId.PERFECTLY_PLASTIC: _perfectly_plastic,
     StrengthId.LINEAR_HARDENING: _linear_hardening,
+    StrengthId.JOHNSON_COOK: _johnson_cook,
+    StrengthId.JOHNSON_HOLMQUIST_1: _johnson_holmquist_1,
 }
 """Every strength law; a new one is one function above, one row here and one dataclass on the host."""
 
 
+@functools.cache
 def _flow_stress(real: type, Material: type) -> wp.Function:
     ids = tuple(int(i) for i in LAWS)
     laws = tuple(make(real, Material) for make in LAWS.values())
 
     @wp.func
-    def flow_stress(m: Material, ep: real):
-        """Flow stress Y [Pa] of the material's own law at plastic strain εp, and its slope H = dY/dεp [Pa]."""
-        Y, H = real(0.0), real(0.0)
+    def flow_stress(m: Material, ep: real, rate: real, T: real, p: real, D: real):
+        """Flow stress Y [Pa] of the material's own law, its slopes dY/dεp and dY/d ln(rate) [Pa]."""
+        Y, H, S = real(0.0), real(0.0), real(0.0)
         for k in range(wp.static(len(ids))):
             if m.strength == wp.static(ids[k]):
-                Y, H = wp.static(laws[k])(m, ep)
-        return Y, H
+                Y, H, S = wp.static(laws[k])(m, ep, rate, T, p, D)
+        return Y, H, S
 
     return flow_stress
+
+
+@functools.cache
+def _plastic_increment(real: type, Material: type) -> wp.Function:
+    flow_stress = _flow_stress(real, Material)
+    zero, half, three = real(0.0), real(0.5), real(3.0)
+    tolerance = real(ROUNDING * (2.0**-52 if real is wp.float64 else 2.0**-23))
+
+    @wp.func
+    def plastic_increment(m: Material, q: real, Y_0: real, ep: real, T: real, p: real, D: real, dt: real):
+        """Root x = Δεp of q - 3 G x = Y(εp + x, x/dt), and Y there; Y_0 < q is the flow stress at x = 0.
+
+        Y grows with x, so the root lies between 0 and (q - Y_0)/3G. Newton's method from there, as Y is concave it
+        then comes from below; where a step leaves the bracket (the slope of εpⁿ, n < 1, is infinite at εp = 0; Y has
+        a kink at the reference rate), a bisection.
+        """
+        low, high = real(0.0), (q - Y_0) / (three * m.G)
+        x = real(high)
+        Y, H, S = flow_stress(m, ep + x, x / dt, T, p, D)
+        for _k in range(wp.static(MAX_ITERATIONS)):
+            miss = q - Y - three * m.G * x
+            if wp.abs(miss) <= tolerance * q:
+                break
+            if miss > zero:
+                low = x
+            else:
+                high = x
+            trial = x + miss / (three * m.G + H + S / x)
+            if not (trial > low and trial < high):
+                trial = half * (low + high)
+            if trial == x:
+                break
+            x = trial
+            Y, H, S = flow_stress(m, ep + x, x / dt, T, p, D)
+        return x, Y
+
+    return plastic_increment
 
 
 @functools.cache
@@ -92,22 +218,32 @@ def make_strength(s: Spec) -> Strength:
     """Build the functions for one specialisation."""
     real, mat, Material = s.real, s.mat, make_material(s)
     von_mises = make_tensor(s).von_mises
-    flow_stress = _flow_stress(real, Material)
-    fluid = int(StrengthId.FLUID)
+    flow_stress, plastic_increment = _flow_stress(real, Material), _plastic_increment(real, Material)
+    fluid, nonlinear = int(StrengthId.FLUID), int(StrengthId.JOHNSON_COOK)
 
     @wp.func
-    def return_map(m: Material, tau_trial: mat, ep: real):
-        """Scale τ back to the yield surface: Δεp = (q - Y)/(3G + H), q = √(3/2 τ:τ), τ = τ_trial (Y + H Δεp)/q.
+    def return_map(m: Material, tau_trial: mat, ep: real, T: real, p: real, D: real, dt: real):
+        """Scale τ back to the yield surface: τ = τ_trial Y/q, q = √(3/2 τ:τ), Y = Y(εp + Δεp, Δεp/dt) = q - 3G Δεp.
 
-        Exact for a flow stress that is linear in εp (Simo & Hughes 1998, section 3.3). A fluid keeps no τ.
+        Where Y is linear in εp this is Δεp = (q - Y)/(3G + H) (Simo & Hughes 1998, section 3.3). T, p and D are
+        those given. A fluid keeps no τ.
         """
         if m.strength == fluid:
             return mat(real(0.0)), real(0.0)
-        Y, H = flow_stress(m, ep)
+        Y, H, S = flow_stress(m, ep, real(0.0), T, p, D)
         q = von_mises(tau_trial)
         if q <= Y:
             return tau_trial, real(0.0)
         d_ep = (q - Y) / (real(3.0) * m.G + H)
-        return ((Y + H * d_ep) / q) * tau_trial, d_ep
+        if m.strength >= nonlinear:
+            d_ep, Y = plastic_increment(m, q, Y, ep, T, p, D, dt)
+        else:
+            Y = Y + H * d_ep
+        return (Y / q) * tau_trial, d_ep
 
-    return Strength(flow_stress, return_map)
+    @wp.func
+    def warming(m: Material, q: real, d_ep: real, rho: real):
+        """Temperature rise of adiabatic plastic flow, χ q Δεp/(ρ Cv); for a material with a heat capacity."""
+        return m.chi * q * d_ep / (rho * m.Cv)
+
+    return Strength(flow_stress, return_map, warming)

@@ -93,7 +93,7 @@ def test_a_hash_grid_of_another_precision_is_refused():
 
 
 def test_a_material_table_of_another_precision_is_refused():
-    kernel, n = make_constitutive(DOUBLE[3], False), 2
+    kernel, n = make_constitutive(DOUBLE[3], False, False), 2
     kinds = {
         "dvdx": DOUBLE[3].mat,
         "tau": DOUBLE[3].mat,

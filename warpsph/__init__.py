@@ -19,8 +19,9 @@ _EXPORTS = {
     "shapes": ("Box", "Cone", "Cylinder", "Disc", "HalfSpace", "Mesh", "Ring", "Shape", "Sphere"),
     "lattices": ("Cartesian", "CoreAndRings", "FaceCentredCubic", "Hexagonal", "Lattice", "Rings"),
     "materials": (
-        "CubicGrueneisen", "Elastic", "Fluid", "IdealGas", "IsothermalMieGrueneisen", "LinearElastic",
-        "LinearHardening", "Material", "PerfectlyPlastic", "Polynomial", "ShockMieGrueneisen", "StiffenedGas", "moduli",
+        "CubicGrueneisen", "Elastic", "Fluid", "IdealGas", "IsothermalMieGrueneisen", "JohnsonCook",
+        "JohnsonCookDamage", "JohnsonHolmquist1", "LinearElastic", "LinearHardening", "Material", "PerfectlyPlastic",
+        "Polynomial", "ShockMieGrueneisen", "StiffenedGas", "moduli",
     ),
     "errors": ("InputError", "RunError"),
 }  # fmt: skip

@@ -8,6 +8,9 @@ from .scene import SceneData
 
 AXES = ("x", "y", "z")
 
+ROUND_OFF = 1e-9
+"""A body's momentum below this share of sqrt(2 M E0) is none."""
+
 
 class Balance:
     """The ledger of a run against its first entry.
@@ -19,7 +22,7 @@ class Balance:
         start: The first ledger.
         energy_error: Largest |E/E0 - 1| so far, E without the work of constraints.
         momentum_error: Largest change of momentum so far over the largest body momentum at the start (over
-            sqrt(2 M E0), M the total mass, where nothing moves at the start).
+            sqrt(2 M E0), M the total mass, where that is none: at rest, or moving symmetrically about a point).
         angular_momentum_error: Largest change of angular momentum so far over the same times the scene's half diagonal.
     """
 
@@ -74,4 +77,5 @@ def _momentum_scale(data: SceneData, total_energy: float) -> float:
         np.linalg.norm(np.sum((data.m[:, None] * data.v)[data.body == b], axis=0))
         for b in range(len(data.bodies))
     ]
-    return float(max(momenta)) or float(np.sqrt(2.0 * np.sum(data.m) * abs(total_energy))) or 1.0
+    largest, scale = float(max(momenta)), float(np.sqrt(2.0 * np.sum(data.m) * abs(total_energy)))
+    return (largest if largest > ROUND_OFF * scale else scale) or 1.0

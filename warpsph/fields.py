@@ -65,8 +65,14 @@ FIELDS: tuple[Field, ...] = (
     Field("twist", "vec", "N m s", "constraint_twist", "angular impulse given by constraints so far", False),
     Field("av_switch", "real", "1", "viscosity_switch", "factor on the artificial viscosity", False),
     Field("dvdt", "vec", "m/s^2", "acceleration", "acceleration of the last step", False),
+    Field("T", "real", "K", "temperature", "temperature, from plastic work alone"),
+    Field("D", "real", "1", "damage", "damage: 0 intact, 1 failed"),
+    Field("ep_rate", "real", "1/s", "plastic_strain_rate", "plastic strain rate of the last step", False),
 )
 """Every quantity. A field is never renamed or reordered silently: old snapshots stay readable."""
+
+ADDED = ("T", "D", "ep_rate")
+"""Fields that checkpoints of the first release do not hold; a run that goes on from one has them as at its start."""
 
 BY_NAME = {f.name: f for f in FIELDS}
 """The table by symbol."""

@@ -3,7 +3,7 @@
 import numpy as np
 import warp as wp
 
-from .fields import FIELDS
+from .fields import ADDED, FIELDS
 from .kernels.sort import make_sort
 from .kernels.spec import Spec
 from .launch import Launcher
@@ -29,6 +29,7 @@ class Particles:
         given = {name: getattr(data, name) for name in ("x", "v", "m", "rho", "e", "body", "mat", "fixed")}
         given |= {"id": np.arange(self.n), "av_switch": np.ones(self.n), "thickness": np.ones(self.n)}
         given |= {"p_high": np.full(self.n, -np.inf), "p_low": np.full(self.n, np.inf)}
+        given["T"] = np.array([m.initial_temperature for m in data.materials])[data.mat]
         for f in FIELDS:
             values = given.get(f.name, np.zeros((self.n, *WIDTH[f.kind])))
             setattr(self, f.name, self._upload(values, f.kind))
@@ -55,7 +56,8 @@ class Particles:
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Take over the arrays of a checkpoint."""
         for f in FIELDS:
-            getattr(self, f.name).assign(arrays[f.name])
+            if f.name in arrays or f.name not in ADDED:
+                getattr(self, f.name).assign(arrays[f.name])
 
     def state(self, time: float, step: int) -> State:
         """Copy the output fields to the host, in id order."""

@@ -18,8 +18,7 @@ from .materials import pack
 from .neighbours import Neighbours
 from .particles import Particles
 from .scene import SceneData
-from .schemes import SCHEMES
-from .schemes.eulerian import Eulerian
+from .schemes.factory import make_scheme
 from .state import State
 
 MAX_BATCH = 32
@@ -53,9 +52,8 @@ class Solver:
         self.data, self.precision = data, precision
         self.launcher = Launcher(device, threads)
         self._spec = Spec(data.dim, PRECISIONS[precision])
-        numerics, h = data.numerics, data.h
-        settings = SCHEMES[numerics.scheme]
-        self._scheme = Eulerian(settings, self._spec, numerics, bool(data.planes))
+        h = data.h
+        self._scheme = make_scheme(data, self._spec)
         self.particles = Particles(data, self._spec, self.launcher)
         self._blocks = Blocks(self.particles.n, self.launcher.device.is_cuda)
         self._clock = Clock(self._spec, self.launcher, self._blocks)
@@ -65,12 +63,9 @@ class Solver:
             data.planes,
             spacing=data.spacing,
             support=self._scheme.support * h,
-            skin=numerics.skin * h,
+            skin=data.numerics.skin * h,
         )
-        self._constants = SimpleNamespace(
-            h=h, spacing=data.spacing, cfl=numerics.cfl, gradient_ratio=settings.gradient_ratio,
-            viscosity_alpha=settings.alpha, viscosity_beta=settings.beta,
-        )  # fmt: skip
+        self._constants = SimpleNamespace(h=h, spacing=data.spacing, cfl=data.numerics.cfl)
         self._work = self._allocate_work()
         self._ledger = make_ledger(self._spec)
         self._program: list[Command] = []
@@ -80,17 +75,12 @@ class Solver:
         self.reading = self._clock.read()
 
     def _allocate_work(self) -> SimpleNamespace:
-        """Arrays that live from one launch to the next but are no state; 1 long where the scheme has no use for them."""
-        n, spec, settings = self.particles.n, self._spec, self._scheme.settings
+        """Arrays that live from one launch to the next but are no state."""
         with wp.ScopedDevice(self.launcher.device):
-            corrected = n if settings.correction else 1
             return SimpleNamespace(
-                dedt=wp.zeros(n, dtype=spec.real),
-                K=wp.zeros(corrected, dtype=spec.mat),
-                G=wp.zeros(corrected, dtype=spec.vec),
-                R=wp.zeros(n if settings.artificial_stress else 1, dtype=spec.mat),
-                materials=pack(self.data.materials, spec, self.launcher.device),
+                materials=pack(self.data.materials, self._spec, self.launcher.device),
                 partial=wp.zeros((self._blocks.count, len(SUMS) + len(MAXIMA)), dtype=wp.float64),
+                **self._scheme.arrays(self.particles.n),
             )
 
     def _bind(self, kernel, blocks: int | None = None) -> Command:
@@ -98,7 +88,7 @@ class Solver:
         return self.launcher.bind(
             kernel, blocks or self.particles.n,
             self.particles, self._work, self.neighbours, self.neighbours.tiles,
-            self._clock, self._blocks, self._constants,
+            self._clock, self._blocks, self._constants, self._scheme,
             grain=SMALLEST_BLOCK_SLICE if blocks else SMALLEST_SLICE,
         )  # fmt: skip
 
@@ -240,7 +230,7 @@ class Solver:
             cause = f"{', '.join(which)} not finite"
         else:
             speed = p["cl"] + VISCOUS_SHARE * p["av_switch"] * (
-                self._constants.viscosity_alpha * p["cs"] + self._constants.viscosity_beta * p["mu"]
+                self._scheme.viscosity_alpha * p["cs"] + self._scheme.viscosity_beta * p["mu"]
             )
             accel = np.linalg.norm(p["dvdt"], axis=1)
             limit = np.minimum(

@@ -1,5 +1,6 @@
 """``warpsph validate``: run the validation cases and set what comes out beside what was published and is expected."""
 
+import math
 import re
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from warpsph.storage import atomic
 
 from . import report
 from .cases import CASES
-from .cases.tables import Case, Figure, Row, Table
+from .cases.tables import Case, Convergence, Figure, Row, Table
 
 INSIDE, OUTSIDE = "✓", "✗"
 """Marks of a figure in and out of the range that is expected of it."""
@@ -50,7 +51,10 @@ def validate(
         for part in chosen.tables:
             outside += _outside(part, found)
             print(f"\n{chosen.scene}: {part.title}\n{table(_rows(part, found), _header(part))}")
+        if (part := chosen.convergence) is not None:
+            print(f"\n{chosen.scene}: {part.title}\n{table(_orders(part, found), _header(part))}")
         _publish(chosen, found, origin, Path(out))
+        _draw(chosen, found, Path(out))
     print("\n" + ("\n".join(outside) or "every figure is where it is expected"))
     return outside
 
@@ -69,7 +73,7 @@ def _run_case(case: Case, out: Path, device: str, progress: Progress) -> Summari
     found: Summaries = {}
     for row in (row for part in case.tables for row in part.rows):
         progress.message(f"{case.scene}: {row.name}")
-        folder = out / case.scene / re.sub(r"\W+", "-", row.name)
+        folder = _folder(case, row, out)
         values = {name: p.default for name, p in file.parameters.items()} | row.parameters
         try:
             found[row.name] = run(
@@ -81,6 +85,16 @@ def _run_case(case: Case, out: Path, device: str, progress: Progress) -> Summari
     return found
 
 
+def _folder(case: Case, row: Row, out: Path) -> Path:
+    """Folder of a row's run."""
+    return out / case.scene / re.sub(r"\W+", "-", row.name)
+
+
+def _folder(case: Case, row: Row, out: Path) -> Path:
+    """Folder of a run."""
+    return out / case.scene / re.sub(r"\W+", "-", row.name)
+
+
 def _value(figure: Figure, summary: dict[str, Any]) -> float:
     """A figure of a summary in the unit to show."""
     return figure.factor * (
@@ -88,7 +102,7 @@ def _value(figure: Figure, summary: dict[str, Any]) -> float:
     )
 
 
-def _header(part: Table) -> list[str]:
+def _header(part: Table | Convergence) -> list[str]:
     titles = [f.title + (f" [{f.unit}]" if f.unit != "1" else "") for f in part.figures]
     return ["", *titles]
 
@@ -110,6 +124,19 @@ def _rows(part: Table, found: Summaries) -> list[list[str]]:
     for name, values in part.others.items():
         shown = (f"({_shown(f, values[f.name])})" if f.name in values else "" for f in part.figures)
         rows.append([name, *shown])
+    return rows
+
+
+def _orders(part: Convergence, found: Summaries) -> list[list[str]]:
+    """Rows of text: log2 of the ratio of errors from each resolution to the next, for each series."""
+    rows = []
+    for name, series in part.series.items():
+        runs = [found[row] for row in series]
+        rows.append([name])
+        for figure in part.figures:
+            errors = [math.nan if isinstance(run, str) else _value(figure, run) for run in runs]
+            orders = (math.log2(a / b) for a, b in zip(errors, errors[1:], strict=False))
+            rows[-1].append(", ".join(f"{order:.2f}" for order in orders))
     return rows
 
 
@@ -149,8 +176,25 @@ def _publish(case: Case, found: Summaries, origin: dict[str, str], out: Path) ->
     parts += [
         f"### {part.title}\n\n{report.markdown(_header(part), _rows(part, found))}" for part in case.tables
     ]
+    if (part := case.convergence) is not None:
+        parts.append(f"### {part.title}\n\n{report.markdown(_header(part), _orders(part, found))}")
     root, text = report.checkout(), "\n\n".join(parts)
     if root is not None:
         report.write_section(root / "docs" / "validation.md", case.scene, text)
     else:
         atomic.write(out / f"{case.scene}.md", f"# {case.scene}\n\n{text}\n".encode())
+    if case.draw is not None:
+        rows = (row for part in case.tables for row in part.rows)
+        pictures = out if root is None else root / "docs" / "images"
+        case.draw({row.name: _folder(case, row, out) for row in rows}, pictures / f"{case.scene}.png")
+
+
+def _draw(case: Case, found: Summaries, out: Path) -> None:
+    """Make a case's pictures, in a checkout's documentation or the output folder, if all of its runs came to their end."""
+    if any(isinstance(summary, str) for summary in found.values()):
+        return
+    root = report.checkout()
+    target = out if root is None else root / "docs" / "images"
+    folders = {row.name: _folder(case, row, out) for part in case.tables for row in part.rows}
+    for picture in case.pictures:
+        picture.draw(folders, target / picture.file)

@@ -1,6 +1,8 @@
 """What a validation case is made of: figures, rows and tables."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Literal
 
 
@@ -64,16 +66,31 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Picture:
+    """A picture made from the runs of a case.
+
+    Attributes:
+        file: Name of the file, in docs/images of a checkout or in the output folder.
+        draw: Draws it, from the folder of each row's run by the row's name, into the file given.
+    """
+
+    file: str
+    draw: Callable[[dict[str, Path], Path], None]
+
+
+@dataclass(frozen=True)
 class Case:
     """One scene with the tables its runs fill.
 
     Attributes:
         scene: Name of the bundled scene, and of the case.
         tables: The tables.
+        pictures: Pictures of the runs; not made if a run stopped.
     """
 
     scene: str
     tables: tuple[Table, ...]
+    pictures: tuple[Picture, ...] = ()
 
 
 ENERGY = Figure("energy_error", "energy error", style=".1e", expected=(0.0, 1e-10))

@@ -1,0 +1,146 @@
+"""Parshikov & Medin's scheme: every pair solves Riemann problems of its longitudinal and transverse waves."""
+
+import functools
+
+import warp as wp
+
+from .correction import make_gradient
+from .interface import make_bears, make_interface
+from .material import make_material
+from .mirror import make_mirror
+from .smoothing import Smoothing
+from .spec import Spec
+from .tensor import make_tensor
+
+
+@functools.cache
+def make_godunov_pm(s: Spec, smoothing: Smoothing, riemann: str, corrected: bool, planes: bool) -> wp.Kernel:
+    """Build the pair loop."""
+    real, vec, matrix = s.real, s.vec, s.mat
+    mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
+    side, interface = make_interface(s, riemann)
+    bears_tension, Material = make_bears(s), make_material(s)
+    w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
+    dot, product = tensor.dot, tensor.product
+    zero, half, one, two = real(0.0), real(0.5), real(1.0), real(2.0)
+    shear_share = real(0.75)
+    dim, on = s.dim, wp.constant(int(corrected))
+    options = (smoothing.name, riemann.replace("-", "_"), "corrected" * corrected, "planes" * planes)
+
+    @wp.func
+    def shear_impedance(rho: real, cs: real, cl: real):
+        """Impedance ρ c_t of transverse waves: c_t² = G/ρ = 3/4 (c_l² - c²)."""
+        return rho * wp.sqrt(wp.max(shear_share * (cl * cl - cs * cs), zero))
+
+    @wp.kernel(module=s.module(__name__, "_".join(filter(None, options))))
+    def pair_fluxes(
+        offset: wp.int32,
+        # in:
+        x: wp.array[vec],
+        v: wp.array[vec],
+        m: wp.array[real],
+        rho: wp.array[real],
+        vol: wp.array[real],
+        cs: wp.array[real],
+        cl: wp.array[real],
+        sig: wp.array[matrix],
+        D: wp.array[real],
+        mat: wp.array[wp.int32],
+        materials: wp.array[Material],
+        K: wp.array[matrix],
+        G: wp.array[vec],
+        h: real,
+        gradient_ratio: real,
+        plane: vec,
+        dt: wp.array[real],
+        start: wp.array[wp.int32],
+        n_neigh: wp.array[wp.int32],
+        neigh: wp.array[wp.int32],
+        # out:
+        dvdt: wp.array[vec],
+        dedt: wp.array[real],
+        dvdx: wp.array[matrix],
+        mu: wp.array[real],
+    ):
+        """dvdt = Σ f_ab/m_a [m/s²], dedt = Σ f_ab·(v* - v_a)/m_a [W/kg], dvdx = 2 Σ V_b (v* - v_a) ⊗ g_ab [1/s].
+
+        f_ab = 2 V_a V_b t* (e·q_ab), q_ab = (g_ab - g_ba)/2, with the velocity v* and the traction t* of the plane
+        normal to e, the direction from b to a (section 10; Connolly et al. 2013, Eqs. 15-16). The transverse problem
+        is solved for the vector, which is the same as for any two of its components.
+        mu = largest approach speed [m/s].
+        """
+        i = wp.tid() + offset
+        if dt[0] == zero:
+            return
+        first = start[i]
+        own = i * on  # K and G are one long where there is no correction
+        xi, vi, sig_i = x[i], v[i], sig[i]
+        rho_i, cl_i = rho[i], cl[i]
+        Zt_i = shear_impedance(rho_i, cs[i], cl_i)
+        A_i = materials[mat[i]].A_shock
+        bears_i = bears_tension(materials[mat[i]], D[i])
+        r_max2 = support * support * h * h
+        # scalars, not vectors or matrices: the compiler keeps them in registers
+        f_x, f_y, f_z, power, mu_max = real(0.0), real(0.0), real(0.0), real(0.0), real(0.0)
+        xx, xy, xz = real(0.0), real(0.0), real(0.0)
+        yx, yy, yz = real(0.0), real(0.0), real(0.0)
+        zx, zy, zz = real(0.0), real(0.0), real(0.0)
+        for k in range(first, first + n_neigh[i]):
+            j = mirror.index(neigh[k])
+            sign = mirror.sign(neigh[k])
+            xij = xi - mirror.point(x[j], sign, plane)
+            r2 = dot(xij, xij)
+            if r2 < r_max2:
+                r = wp.sqrt(r2)
+                dw = dw_r(r, h)
+                w_ij = real(0.0)
+                if wp.static(corrected):
+                    w_ij = w(r, h)
+                g = of_pair(xij, dw, w_ij, K[own], G[own], h, gradient_ratio)
+                e = (one / r) * xij
+                slope = dot(e, g)
+                if wp.static(corrected):
+                    other = j * on
+                    K_j, G_j = mirror.tensor(K[other], sign), mirror.vector(G[other], sign)
+                    slope = half * (slope - dot(e, of_pair(-xij, dw, w_ij, K_j, G_j, h, gradient_ratio)))
+                vj = mirror.vector(v[j], sign)
+                t_i, t_j = product(sig_i, e), product(mirror.tensor(sig[j], sign), e)
+                u_i, u_j, p_i, p_j = dot(vi, e), dot(vj, e), -dot(t_i, e), -dot(t_j, e)
+                mu_max = wp.max(mu_max, u_j - u_i)
+                left = side(u_j, p_j, rho[j], cl[j], materials[mat[j]].A_shock)
+                right = side(u_i, p_i, rho_i, cl_i, A_i)
+                u_star, p_star = interface(left, right, bears_i and bears_tension(materials[mat[j]], D[j]))
+                # the transverse vectors, by the acoustic solver; no traction between fluids
+                Zt_j = shear_impedance(rho[j], cs[j], cl[j])
+                vt_i, vt_j = vi - u_i * e, vj - u_j * e
+                s_i, s_j = t_i + p_i * e, t_j + p_j * e
+                vt, st = half * (vt_i + vt_j), vec()
+                if wp.static(dim > 1) and Zt_i + Zt_j > zero:
+                    Z = one / (Zt_i + Zt_j)
+                    vt = Z * (Zt_j * vt_j + Zt_i * vt_i + (s_i - s_j))
+                    st = Z * (Zt_i * s_j + Zt_j * s_i + (Zt_i * Zt_j) * (vt_i - vt_j))
+                dv = (u_star * e + vt) - vi
+                t = (two * vol[j] * slope) * (st - p_star * e)
+                power += dot(t, dv)
+                f_x += t[0]
+                u = (two * vol[j]) * dv
+                xx += u[0] * g[0]
+                if wp.static(dim > 1):
+                    f_y += t[1]
+                    xy += u[0] * g[1]
+                    yx += u[1] * g[0]
+                    yy += u[1] * g[1]
+                if wp.static(dim > 2):
+                    f_z += t[2]
+                    xz += u[0] * g[2]
+                    yz += u[1] * g[2]
+                    zx += u[2] * g[0]
+                    zy += u[2] * g[1]
+                    zz += u[2] * g[2]
+        per_mass = vol[i] / m[i]
+        dvdt[i] = per_mass * vec(f_x, f_y, f_z)
+        dedt[i] = per_mass * power
+        dvdx[i] = matrix(xx, xy, xz, yx, yy, yz, zx, zy, zz)
+        mu[i] = mu_max
+
+    return pair_fluxes

@@ -1,0 +1,293 @@
+"""The time-split scheme: a deviatoric stage, and a hydrodynamic one of Riemann problems (Connolly et al. 2013, 3.3)."""
+
+import functools
+from dataclasses import dataclass
+
+import warp as wp
+
+from .correction import make_gradient
+from .interface import make_bears, make_interface
+from .limiters import make_limiter
+from .material import make_material
+from .mirror import make_mirror
+from .smoothing import Smoothing
+from .spec import Spec
+from .tensor import make_tensor
+
+
+@dataclass(frozen=True)
+class Reconstruction:
+    """What the states of a Riemann problem are made of.
+
+    Attributes:
+        riemann: Riemann solver.
+        order: 1: the particles' own values; 2: linear reconstruction (MUSCL).
+        limiter: Limiter of the slopes.
+        jump: Slopes are bounded by the pair's own difference too.
+    """
+
+    riemann: str
+    order: int
+    limiter: str
+    jump: bool
+
+    @property
+    def tag(self) -> str:
+        """Short name of the combination."""
+        limiter = (self.limiter, "jump" * self.jump) if self.order == 2 else ()
+        return "_".join(filter(None, (self.riemann.replace("-", "_"), *limiter)))
+
+
+@functools.cache
+def make_deviatoric(
+    s: Spec, smoothing: Smoothing, order: int, corrected: bool, planes: bool
+) -> wp.Kernel:
+    """Build the loop of the first stage; for second order it also leaves the slopes of pressure and density."""
+    real, vec, matrix = s.real, s.vec, s.mat
+    mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
+    w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
+    dot, product = tensor.dot, tensor.product
+    zero, half = real(0.0), real(0.5)
+    dim, on = s.dim, wp.constant(int(corrected))
+    options = ("deviatoric", smoothing.name, f"order{order}", "corrected" * corrected, "planes" * planes)
+
+    @wp.kernel(module=s.module(__name__, "_".join(filter(None, options))))
+    def deviatoric(
+        offset: wp.int32,
+        # in:
+        x: wp.array[vec],
+        v: wp.array[vec],
+        m: wp.array[real],
+        rho: wp.array[real],
+        vol: wp.array[real],
+        p: wp.array[real],
+        tau: wp.array[matrix],
+        K: wp.array[matrix],
+        G: wp.array[vec],
+        h: real,
+        gradient_ratio: real,
+        plane: vec,
+        dt: wp.array[real],
+        start: wp.array[wp.int32],
+        n_neigh: wp.array[wp.int32],
+        neigh: wp.array[wp.int32],
+        # out:
+        dvdt: wp.array[vec],
+        dedt: wp.array[real],
+        grad_p: wp.array[vec],
+        grad_rho: wp.array[vec],
+        v_start: wp.array[vec],
+        near: wp.array[wp.int32],
+        slope: wp.array[real],
+        n_near: wp.array[wp.int32],
+    ):
+        """dvdt = Σ f_ab/m_a [m/s²], dedt = Σ f_ab·(v_b - v_a)/(2 m_a) [W/kg], f_ab = V_a V_b (τ_a g_ab - τ_b g_ba).
+
+        Section 10, stage 1 (Connolly et al. 2013, Eqs. 21 and 32). grad Q = Σ V_b (Q_b - Q_a) g_ab of p [Pa/m] and
+        ρ [kg/m⁴]; v_start = v. The pairs within the support, and their (dW/dr)/r, are left behind for the other loops.
+        """
+        i = wp.tid() + offset
+        if dt[0] == zero:
+            return
+        first = start[i]
+        own = i * on  # K and G are one long where there is no correction
+        xi, vi, tau_i = x[i], v[i], tau[i]
+        p_i, rho_i = p[i], rho[i]
+        r_max2 = support * support * h * h
+        # scalars, not vectors: the compiler keeps them in registers
+        f_x, f_y, f_z, power = real(0.0), real(0.0), real(0.0), real(0.0)
+        p_x, p_y, p_z = real(0.0), real(0.0), real(0.0)
+        rho_x, rho_y, rho_z = real(0.0), real(0.0), real(0.0)
+        found = wp.int32(0)
+        for k in range(first, first + n_neigh[i]):
+            j = mirror.index(neigh[k])
+            sign = mirror.sign(neigh[k])
+            xij = xi - mirror.point(x[j], sign, plane)
+            r2 = dot(xij, xij)
+            if r2 < r_max2:
+                r = wp.sqrt(r2)
+                dw = dw_r(r, h)
+                near[first + found] = neigh[k]
+                slope[first + found] = dw
+                found += 1
+                w_ij = real(0.0)
+                if wp.static(corrected):
+                    w_ij = w(r, h)
+                g_ij = of_pair(xij, dw, w_ij, K[own], G[own], h, gradient_ratio)
+                tau_j = mirror.tensor(tau[j], sign)
+                f = product(tau_i + tau_j, g_ij)
+                if wp.static(corrected):
+                    other = j * on
+                    K_j, G_j = mirror.tensor(K[other], sign), mirror.vector(G[other], sign)
+                    g_ji = of_pair(-xij, dw, w_ij, K_j, G_j, h, gradient_ratio)
+                    f = product(tau_i, g_ij) - product(tau_j, g_ji)
+                f *= vol[j]
+                power += half * dot(f, mirror.vector(v[j], sign) - vi)
+                f_x += f[0]
+                if wp.static(dim > 1):
+                    f_y += f[1]
+                if wp.static(dim > 2):
+                    f_z += f[2]
+                if wp.static(order == 2):
+                    dp, drho = vol[j] * (p[j] - p_i), vol[j] * (rho[j] - rho_i)
+                    p_x += dp * g_ij[0]
+                    rho_x += drho * g_ij[0]
+                    if wp.static(dim > 1):
+                        p_y += dp * g_ij[1]
+                        rho_y += drho * g_ij[1]
+                    if wp.static(dim > 2):
+                        p_z += dp * g_ij[2]
+                        rho_z += drho * g_ij[2]
+        per_mass = vol[i] / m[i]
+        dvdt[i] = per_mass * vec(f_x, f_y, f_z)
+        dedt[i] = per_mass * power
+        v_start[i] = vi
+        n_near[i] = found
+        if wp.static(order == 2):
+            grad_p[i] = vec(p_x, p_y, p_z)
+            grad_rho[i] = vec(rho_x, rho_y, rho_z)
+
+    return deviatoric
+
+
+@functools.cache
+def make_hydrodynamic(
+    s: Spec, smoothing: Smoothing, states: Reconstruction, corrected: bool, planes: bool
+) -> wp.Kernel:
+    """Build the loop of the second stage."""
+    real, vec, matrix = s.real, s.vec, s.mat
+    mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
+    side, interface = make_interface(s, states.riemann)
+    bears_tension, Material = make_bears(s), make_material(s)
+    limited = make_limiter(s, states.limiter, states.jump)
+    w = smoothing.w
+    dot, product = tensor.dot, tensor.product
+    zero, half, one, two = real(0.0), real(0.5), real(1.0), real(2.0)
+    dim, on, second = s.dim, wp.constant(int(corrected)), states.order == 2
+    options = ("hydrodynamic", smoothing.name, states.tag, "corrected" * corrected, "planes" * planes)
+
+    @wp.kernel(module=s.module(__name__, "_".join(filter(None, options))))
+    def hydrodynamic(
+        offset: wp.int32,
+        # in:
+        x: wp.array[vec],
+        v: wp.array[vec],
+        m: wp.array[real],
+        rho: wp.array[real],
+        vol: wp.array[real],
+        p: wp.array[real],
+        cs: wp.array[real],
+        cl: wp.array[real],
+        dvdx: wp.array[matrix],
+        grad_p: wp.array[vec],
+        grad_rho: wp.array[vec],
+        D: wp.array[real],
+        mat: wp.array[wp.int32],
+        materials: wp.array[Material],
+        K: wp.array[matrix],
+        G: wp.array[vec],
+        h: real,
+        gradient_ratio: real,
+        limiter_beta: real,
+        plane: vec,
+        dt: wp.array[real],
+        start: wp.array[wp.int32],
+        n_near: wp.array[wp.int32],
+        near: wp.array[wp.int32],
+        slope: wp.array[real],
+        # out:
+        dvdt: wp.array[vec],
+        dedt: wp.array[real],
+        div: wp.array[real],
+        mu: wp.array[real],
+    ):
+        """dvdt = Σ f_ab/m_a [m/s²], dedt = Σ f_ab·(v* - v_a)/m_a [W/kg], div = 2 Σ V_b (v* - v_a)·g_ab [1/s].
+
+        f_ab = -2 V_a V_b p* q_ab, q_ab = (g_ab - g_ba)/2; v* = u* along e, the direction from b to a, and the pair's
+        mean across it, which does no work without correction (section 10, stage 2; Connolly et al. 2013, Eqs. 22 and
+        34). Second order: the states lie (r/2)(1 - c_l dt/r) off the particles on the limited slope (Eqs. 23-27). The
+        slope of v is that of the last step: v has not changed since, and x by what a step moves.
+        mu = largest approach speed [m/s].
+        """
+        i = wp.tid() + offset
+        step = dt[0]
+        if step == zero:
+            return
+        first = start[i]
+        own = i * on  # K and G are one long where there is no correction
+        xi, vi = x[i], v[i]
+        p_i, rho_i, cs_i = p[i], rho[i], cs[i]
+        A_i = materials[mat[i]].A_shock
+        bears_i, whole_i = bears_tension(materials[mat[i]], D[i]), D[i] < one
+        if wp.static(second):
+            L_i, grad_p_i, grad_rho_i = dvdx[i], grad_p[i], grad_rho[i]
+            reach_i = cl[i] * step
+        # scalars, not vectors: the compiler keeps them in registers
+        f_x, f_y, f_z, power, rate, mu_max = real(0.0), real(0.0), real(0.0), real(0.0), real(0.0), real(0.0)
+        for k in range(first, first + n_near[i]):
+            j = mirror.index(near[k])
+            sign = mirror.sign(near[k])
+            xij = xi - mirror.point(x[j], sign, plane)
+            vj = mirror.vector(v[j], sign)
+            r = wp.sqrt(dot(xij, xij))
+            e = (one / r) * xij
+            u_i, u_j = dot(vi, e), dot(vj, e)
+            mu_max = wp.max(mu_max, u_j - u_i)
+            left = side(u_j, p[j], rho[j], cs[j], materials[mat[j]].A_shock)
+            right = side(u_i, p_i, rho_i, cs_i, A_i)
+            if wp.static(second):
+                if whole_i and D[j] < one:
+                    per_r = one / r
+                    L_j = mirror.tensor(dvdx[j], sign)
+                    u_slope = limited(
+                        dot(e, product(L_i, e)), dot(e, product(L_j, e)), (u_i - u_j) * per_r, limiter_beta
+                    )
+                    p_slope = limited(
+                        dot(grad_p_i, e),
+                        dot(mirror.vector(grad_p[j], sign), e),
+                        (p_i - p[j]) * per_r,
+                        limiter_beta,
+                    )
+                    rho_slope = limited(
+                        dot(grad_rho_i, e),
+                        dot(mirror.vector(grad_rho[j], sign), e),
+                        (rho_i - rho[j]) * per_r,
+                        limiter_beta,
+                    )
+                    to_i, to_j = half * wp.max(r - reach_i, zero), half * wp.max(r - cl[j] * step, zero)
+                    rho_l, rho_r = rho[j] + to_j * rho_slope, rho_i - to_i * rho_slope
+                    if rho_l > zero and rho_r > zero:
+                        left = side(u_j + to_j * u_slope, p[j] + to_j * p_slope, rho_l, cs[j], left.A)
+                        right = side(u_i - to_i * u_slope, p_i - to_i * p_slope, rho_r, cs_i, A_i)
+            u_star, p_star = interface(left, right, bears_i and bears_tension(materials[mat[j]], D[j]))
+            flux = -two * vol[j] * p_star
+            if wp.static(corrected):
+                w_ij = w(r, h)
+                g_ij = of_pair(xij, slope[k], w_ij, K[own], G[own], h, gradient_ratio)
+                other = j * on
+                K_j, G_j = mirror.tensor(K[other], sign), mirror.vector(G[other], sign)
+                q = half * (g_ij - of_pair(-xij, slope[k], w_ij, K_j, G_j, h, gradient_ratio))
+                dv = half * (vj - vi) + (u_star - half * (u_i + u_j)) * e
+                rate += two * vol[j] * dot(dv, g_ij)
+                power += flux * dot(dv, q)
+                f = flux * q
+                f_x += f[0]
+                f_y += f[1]
+                f_z += f[2]
+            else:
+                du = (u_star - u_i) * (slope[k] * r)
+                rate += two * vol[j] * du
+                power += flux * du
+                f = (flux * slope[k]) * xij
+                f_x += f[0]
+                if wp.static(dim > 1):
+                    f_y += f[1]
+                if wp.static(dim > 2):
+                    f_z += f[2]
+        per_mass = vol[i] / m[i]
+        dvdt[i] = per_mass * vec(f_x, f_y, f_z)
+        dedt[i] = per_mass * power
+        div[i] = rate
+        mu[i] = mu_max
+
+    return hydrodynamic

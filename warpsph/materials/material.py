@@ -1,0 +1,173 @@
+"""A material: density, equation of state, strength and damage; and the table of them on the device."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import warp as wp
+
+from warpsph.errors import InputError
+from warpsph.kernels.material import DamageId, make_material
+from warpsph.kernels.spec import Spec
+
+from .damage import Damage, JohnsonCookDamage
+from .eos import Eos, IdealGas
+from .law import number
+from .strength import Fluid, JohnsonCook, JohnsonHolmquist1, Strength
+
+ROOM_TEMPERATURE = 293.15
+"""Initial temperature [K] of a material whose laws know none: nothing heats it, and nothing depends on it."""
+
+
+@dataclass(frozen=True)
+class Material:
+    """What a body is made of.
+
+    Attributes:
+        name: Name in snapshots and reports.
+        density: Reference density ρ0 [kg/m³].
+        eos: Equation of state.
+        strength: Strength law.
+        pressure_cutoff: Lowest pressure the material bears [Pa], zero or negative; -inf for none.
+        damage: Damage law; None for none, or for that of a strength law that brings its own.
+        source: Where the constants come from.
+    """
+
+    name: str
+    density: float
+    eos: Eos
+    strength: Strength
+    pressure_cutoff: float = -math.inf
+    damage: Damage | None = None
+    source: str = ""
+
+    def __post_init__(self):
+        """Check the parts against each other.
+
+        Raises:
+            InputError: Naming the field, its value and what is allowed.
+        """
+        if not isinstance(self.name, str) or not self.name:
+            raise InputError(f"material: name = {self.name!r} is not allowed; allowed: a non-empty text")
+        owner = f"material {self.name!r}"
+        object.__setattr__(self, "density", number(owner, "density", self.density, "positive"))
+        for name, kind in (("eos", Eos), ("strength", Strength)):
+            if not isinstance(getattr(self, name), kind):
+                laws = ", ".join(law.__name__ for law in kind.__subclasses__())
+                raise InputError(f"{owner}: {name} = {getattr(self, name)!r} is not allowed; allowed: {laws}")
+        if isinstance(self.eos, IdealGas) and not isinstance(self.strength, Fluid):
+            law = type(self.strength).__name__
+            raise InputError(f"{owner}: strength = {law} does not fit an ideal gas; allowed: Fluid")
+        if self.pressure_cutoff != -math.inf:
+            cutoff = number(owner, "pressure_cutoff", self.pressure_cutoff, "zero or negative")
+            object.__setattr__(self, "pressure_cutoff", cutoff)
+        self._check_damage(owner)
+
+    def _check_damage(self, owner: str) -> None:
+        """Damage goes with the strength law whose constants it uses, and only one law decides on tension."""
+        law = type(self.strength).__name__
+        if isinstance(self.strength, JohnsonHolmquist1):
+            if self.damage is not None:
+                raise InputError(
+                    f"{owner}: damage = {self.damage!r} does not fit {law}; allowed: None, it has its own"
+                )
+            if self.pressure_cutoff != -math.inf:
+                raise InputError(
+                    f"{owner}: pressure_cutoff = {self.pressure_cutoff:g} does not fit {law}; "
+                    "allowed: -inf, it fails at its own pressure T"
+                )
+        if self.damage is None:
+            return
+        if not isinstance(self.damage, JohnsonCookDamage):
+            raise InputError(
+                f"{owner}: damage = {self.damage!r} is not allowed; allowed: JohnsonCookDamage, None"
+            )
+        if not isinstance(self.strength, JohnsonCook):
+            raise InputError(
+                f"{owner}: damage = JohnsonCookDamage does not fit strength = {law}; allowed: JohnsonCook"
+            )
+
+    @property
+    def bulk_speed(self) -> float:
+        """Bulk sound speed at rest [m/s]; 0 for an ideal gas."""
+        return self.eos.bulk_speed(self.density)
+
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus G [Pa]; 0 for a fluid."""
+        return self.strength.G
+
+    @property
+    def longitudinal_speed(self) -> float:
+        """Longitudinal wave speed at rest, sqrt(c² + 4 G/(3 ρ0)) [m/s]."""
+        return math.sqrt(self.bulk_speed**2 + 4.0 * self.shear_modulus / (3.0 * self.density))
+
+    @property
+    def initial_temperature(self) -> float:
+        """Temperature at the start [K]: T0 of the strength law, else room temperature."""
+        return self.strength.T0 if isinstance(self.strength, JohnsonCook) else ROOM_TEMPERATURE
+
+    @property
+    def damage_id(self) -> DamageId:
+        """The damage law on the device."""
+        if isinstance(self.strength, JohnsonHolmquist1):
+            return DamageId.JOHNSON_HOLMQUIST_1
+        return DamageId.NONE if self.damage is None else self.damage.id
+
+    def describe(self) -> str:
+        """Give everything about the material, one constant a line with its unit."""
+        cutoff = "none" if self.pressure_cutoff == -math.inf else f"{self.pressure_cutoff:g} Pa"
+        lines = [
+            self.name,
+            f"density: {self.density:g} kg/m³",
+            f"equation of state, {self.eos.describe()}",
+            f"strength, {self.strength.describe()}",
+        ]
+        if self.damage is not None:
+            lines.append(f"damage, {self.damage.describe()}")
+        lines.append(f"pressure cut-off: {cutoff}")
+        if self.bulk_speed > 0.0:
+            lines.append(
+                f"wave speeds at rest: {self.bulk_speed:.6g} m/s bulk, {self.longitudinal_speed:.6g} m/s longitudinal"
+            )
+        if self.source:
+            lines.append(f"source: {self.source}")
+        return "\n".join(lines)
+
+
+_SPEED_FLOOR = 1e-3
+"""Floor of the sound speed over the material's bulk speed at rest."""
+
+_GAS_SPEED_FLOOR = 1e-6
+"""Floor of the sound speed of a gas [m/s]: small against anything that moves, so a cold gas stays cold."""
+
+
+def pack(materials: Sequence[Material], spec: Spec, device: object = None) -> wp.array:
+    """Upload the material table.
+
+    Args:
+        materials: Materials in the order of the particles' ``mat``.
+        spec: Specialisation of the kernels that read the table.
+        device: Warp device; the current one by default.
+
+    Returns:
+        Array of the specialisation's material structs, shape [len(materials)].
+    """
+    row = make_material(spec)
+    return wp.array([_row(row, material) for material in materials], dtype=row, device=device)
+
+
+def _row(row: type, material: Material) -> Any:
+    out = row()
+    out.eos, out.strength = int(material.eos.id), int(material.strength.id)
+    out.damage = int(material.damage_id)
+    out.rho0, out.p_min = material.density, material.pressure_cutoff
+    if isinstance(material.eos, IdealGas):
+        out.p_min = max(material.pressure_cutoff, 0.0)  # a gas bears no tension
+    out.c_min = _SPEED_FLOOR * material.bulk_speed or _GAS_SPEED_FLOOR
+    out.A_shock = material.eos.shock_slope(material.density)
+    for law in (material.eos, material.strength, material.damage):
+        for name, value in (law.row if law is not None else {}).items():
+            setattr(out, name, value)
+    return out

@@ -1,0 +1,111 @@
+"""What every scheme has: its material update, its time step, and the arrays and constants its kernels are bound to."""
+
+from collections.abc import Callable
+
+import warp as wp
+
+from warpsph.config import Numerics
+from warpsph.kernels.constitutive import make_constitutive
+from warpsph.kernels.correction import make_correction
+from warpsph.kernels.integrate import make_integrate
+from warpsph.kernels.smoothing import make_smoothing
+from warpsph.kernels.spec import Spec
+from warpsph.kernels.tiles import make_tiles
+from warpsph.kernels.timestep import make_timestep
+from warpsph.launch import Command
+
+Bind = Callable[..., Command]
+"""``bind(kernel, n)`` binds a launch over all particles, or over n threads, to the solver's arrays."""
+
+
+class Scheme:
+    """A scheme as ordered lists of launches; a family adds its pair loops and `step`.
+
+    Attributes:
+        support: Support radius of the smoothing kernel in units of h.
+        first_switch: Value the viscosity's switch starts from.
+        viscosity_alpha: Share of the sound speed in the dissipation's signal speed, for the time step.
+        viscosity_beta: The same for the approach speed.
+        gradient_ratio: ``Cf`` of the correction's limiter.
+    """
+
+    first_switch = 1.0
+    viscosity_alpha: float
+    viscosity_beta: float
+
+    def __init__(
+        self,
+        spec: Spec,
+        numerics: Numerics,
+        *,
+        correction: bool,
+        gradient_ratio: float,
+        exact_energy: bool = True,
+        split: bool = False,
+        planes: bool,
+    ):
+        """Pick the kernels that all families share; nothing is compiled before the first launch.
+
+        Args:
+            spec: Specialisation.
+            numerics: Numerical settings of the scene.
+            correction: Mixed correction of the gradients.
+            gradient_ratio: ``Cf`` of its limiter.
+            exact_energy: Section 11's stepping.
+            split: The density has a rate of its own.
+            planes: The scene has symmetry planes.
+        """
+        self.gradient_ratio = gradient_ratio
+        self._spec, self._corrected = spec, correction
+        self._smoothing = make_smoothing(spec, numerics.kernel)
+        self.support = self._smoothing.support
+        self._timestep, self._tiles = make_timestep(spec), make_tiles(spec)
+        self._integrate = make_integrate(spec, exact_energy)
+        self._correction = make_correction(spec, self._smoothing, planes) if correction else None
+        plane_stress = numerics.plane == "stress" and spec.dim == 2
+        self._constitutive = make_constitutive(spec, plane_stress, split)
+
+    def arrays(self, n: int) -> dict[str, wp.array]:
+        """Arrays that live from one launch to the next but are no state; 1 long where the scheme has no use for them.
+
+        Args:
+            n: Number of particles.
+        """
+        corrected = n if self._corrected else 1
+        return {
+            "dedt": wp.zeros(n, dtype=self._spec.real),
+            "div": wp.zeros(1, dtype=self._spec.real),
+            "K": wp.zeros(corrected, dtype=self._spec.mat),
+            "G": wp.zeros(corrected, dtype=self._spec.vec),
+        }
+
+    def settle(self, bind: Bind) -> list[Command]:
+        """The launch that makes pressure, stress and volume agree with the scene's density and energy."""
+        return [bind(self._constitutive)]
+
+    def probe(self, bind: Bind) -> list[Command]:
+        """The launches that find forces and approach speeds without a step: they limit the very first one."""
+        raise NotImplementedError
+
+    def derive(self, bind: Bind) -> list[Command]:
+        """The launches that refill what one step leaves for the next and no checkpoint holds."""
+        return []
+
+    def plan(self, bind: Bind, n_blocks: int, n_tiles: int) -> list[Command]:
+        """How far the next step may go, and whether it may be taken at all."""
+        sequence = [
+            (self._tiles.motion, n_tiles),  # whether the neighbour rows
+            (self._tiles.wear, n_tiles),  # still hold every pair
+            (self._timestep.local, n_blocks),  # dt_a from the state
+            (self._timestep.decide, 1),  # dt and verdict
+        ]
+        return [bind(kernel, n) for kernel, n in sequence]
+
+    def step(self, bind: Bind) -> list[Command]:
+        """One step from t to t + dt."""
+        raise NotImplementedError
+
+
+def bound(bind: Bind, *kernels: wp.Kernel | None) -> list[Command]:
+    """Bind kernels in order; None is left out."""
+    return [bind(kernel) for kernel in kernels if kernel is not None]
