@@ -6,7 +6,7 @@ import warp as wp
 
 from .damage import make_damage
 from .eos import make_eos
-from .material import DamageId, make_material
+from .material import FIRST_NONLINEAR, make_material
 from .spec import Spec
 from .strength import make_strength
 from .tensor import make_tensor
@@ -26,7 +26,7 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool) -> wp.Kernel:
     """
     real, matrix = s.real, s.mat
     Material, tensor, eos = make_material(s), make_tensor(s), make_eos(s)
-    strength, damage, undamaged = make_strength(s), make_damage(s), int(DamageId.NONE)
+    strength, damage, nonlinear = make_strength(s), make_damage(s), int(FIRST_NONLINEAR)
     one, zero, stiff = real(1.0), real(0.0), real(4.0 / 3.0)
     tolerance = real(PLANE_STRESS_TOLERANCE if s.real is wp.float64 else 1.0e-5)
 
@@ -48,15 +48,15 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool) -> wp.Kernel:
         p, c, out_of_range = eos(m, rho_new, e)
         p = wp.max(p, m.p_min)
         elastic = tensor.rotate(tau, L, dt) + (real(2.0) * m.G * dt) * tensor.deviator(tensor.stretch(L))
-        if m.damage == undamaged:
-            tau_new, d_ep = strength.return_map(m, elastic, ep, T, p, D, dt)
+        if m.strength < nonlinear:
+            tau_new, d_ep = strength.linear_return(m, elastic, ep)
             return rho_new, tau_new, d_ep, p, c, out_of_range, D
-        D_new = damage.tension(m, D, p)
-        tau_new, d_ep = strength.return_map(m, elastic, ep, T, p, D_new, dt)
-        grown = damage.growth(m, D_new, d_ep, d_ep / dt, T, p, tensor.von_mises(tau_new))
-        if grown >= one and D_new < one:  # the strength drops in this very step
-            tau_new, d_ep = strength.return_map(m, elastic, ep, T, p, grown, dt)
-        return rho_new, tau_new, d_ep, damage.pressure(m, grown, p), c, out_of_range, grown
+        D_old = damage.tension(m, D, p)
+        tau_new, d_ep = strength.nonlinear_return(m, elastic, ep, T, p, D_old, dt)
+        D_new = damage.growth(m, D_old, d_ep, d_ep / dt, T, p, tau_new)
+        if D_new >= one and D_old < one:  # it fails in this very step, and its strength drops at once
+            tau_new, d_ep = strength.nonlinear_return(m, elastic, ep, T, p, D_new, dt)
+        return rho_new, tau_new, d_ep, damage.pressure(m, D_new, p), c, out_of_range, D_new
 
     if plane_stress:
 
@@ -166,9 +166,8 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool) -> wp.Kernel:
         tau[i] = tau_i
         ep[i] = ep[i] + d_ep
         ep_rate[i] = d_ep / dt[0]
-        if d_ep > zero and row.Cv > zero:
-            T[i] = T[i] + strength.warming(row, tensor.von_mises(tau_i), d_ep, rho_i)
-        if row.damage != undamaged:
+        if row.strength >= nonlinear:
+            T[i] = T[i] + strength.warming(row, tau_i, d_ep, rho_i)
             D[i] = D_i
         p[i] = p_i
         cs[i] = c_i

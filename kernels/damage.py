@@ -13,6 +13,7 @@ import warp as wp
 from .material import DamageId, make_material
 from .spec import Spec
 from .strength import make_homologous, make_rate_factor
+from .tensor import make_tensor
 
 EPS_F_MIN = 1e-6
 """Lowest strain to failure of the Johnson-Cook law."""
@@ -26,7 +27,7 @@ class Damage(NamedTuple):
 
     Attributes:
         tension: ``(m: Material, D, p) -> D'``, which is 1 where the pressure alone fails the material.
-        growth: ``(m: Material, D, d_ep, rate, T, p, q) -> D'``.
+        growth: ``(m: Material, D, d_ep, rate, T, p, tau) -> D'``.
         pressure: ``(m: Material, D, p) -> p [Pa]`` that the material carries.
     """
 
@@ -40,7 +41,8 @@ def make_damage(s: Spec) -> Damage:
     """Build the functions for one specialisation."""
     real, Material = s.real, make_material(s)
     zero, one = real(0.0), real(1.0)
-    ceramic = int(DamageId.JOHNSON_HOLMQUIST_1)
+    von_mises, mat = make_tensor(s).von_mises, s.mat
+    none, ceramic = int(DamageId.NONE), int(DamageId.JOHNSON_HOLMQUIST_1)
     ids = tuple(int(i) for i in LAWS)
     laws = tuple(make(s) for make in LAWS.values())
 
@@ -52,10 +54,11 @@ def make_damage(s: Spec) -> Damage:
         return D
 
     @wp.func
-    def growth(m: Material, D: real, d_ep: real, rate: real, T: real, p: real, q: real):
-        """D' = min(D + Δεp/ε_f, 1), never less than D."""
-        if d_ep <= zero or D >= one:
+    def growth(m: Material, D: real, d_ep: real, rate: real, T: real, p: real, tau: mat):
+        """D' = min(D + Δεp/ε_f, 1), never less than D; p and τ as they are after the flow."""
+        if m.damage == none or d_ep <= zero or D >= one:
             return D
+        q = von_mises(tau)
         for k in range(wp.static(len(ids))):
             if m.damage == wp.static(ids[k]):
                 eps_f = wp.static(laws[k])(m, rate, T, p, q)

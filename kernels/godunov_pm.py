@@ -78,7 +78,7 @@ def make_godunov_pm(s: Spec, smoothing: Smoothing, riemann: str, corrected: bool
         rho_i, cl_i = rho[i], cl[i]
         Zt_i = shear_impedance(rho_i, cs[i], cl_i)
         A_i = materials[mat[i]].A_shock
-        bears_i = bears_tension(materials[mat[i]], D[i])
+        bears_i = bears_tension(materials[mat[i]].p_min, D[i])
         r_max2 = support * support * h * h
         # scalars, not vectors or matrices: the compiler keeps them in registers
         f_x, f_y, f_z, power, mu_max = real(0.0), real(0.0), real(0.0), real(0.0), real(0.0)
@@ -109,7 +109,7 @@ def make_godunov_pm(s: Spec, smoothing: Smoothing, riemann: str, corrected: bool
                 mu_max = wp.max(mu_max, u_j - u_i)
                 left = side(u_j, p_j, rho[j], cl[j], materials[mat[j]].A_shock)
                 right = side(u_i, p_i, rho_i, cl_i, A_i)
-                u_star, p_star = interface(left, right, bears_i and bears_tension(materials[mat[j]], D[j]))
+                u_star, p_star = interface(left, right, bears_i and bears_tension(materials[mat[j]].p_min, D[j]))
                 # the transverse vectors, by the acoustic solver; no traction between fluids
                 Zt_j = shear_impedance(rho[j], cs[j], cl[j])
                 vt_i, vt_j = vi - u_i * e, vj - u_j * e

@@ -161,7 +161,7 @@ def make_hydrodynamic(
     bears_tension, Material = make_bears(s), make_material(s)
     limited = make_limiter(s, states.limiter, states.jump)
     w = smoothing.w
-    dot, product = tensor.dot, tensor.product
+    dot, quadratic = tensor.dot, tensor.quadratic
     zero, half, one, two = real(0.0), real(0.5), real(1.0), real(2.0)
     dim, on, second = s.dim, wp.constant(int(corrected)), states.order == 2
     options = ("hydrodynamic", smoothing.name, states.tag, "corrected" * corrected, "planes" * planes)
@@ -218,7 +218,7 @@ def make_hydrodynamic(
         xi, vi = x[i], v[i]
         p_i, rho_i, cs_i = p[i], rho[i], cs[i]
         A_i = materials[mat[i]].A_shock
-        bears_i, whole_i = bears_tension(materials[mat[i]], D[i]), D[i] < one
+        bears_i, whole_i = bears_tension(materials[mat[i]].p_min, D[i]), D[i] < one
         if wp.static(second):
             L_i, grad_p_i, grad_rho_i = dvdx[i], grad_p[i], grad_rho[i]
             reach_i = cl[i] * step
@@ -230,36 +230,37 @@ def make_hydrodynamic(
             xij = xi - mirror.point(x[j], sign, plane)
             vj = mirror.vector(v[j], sign)
             r = wp.sqrt(dot(xij, xij))
-            e = (one / r) * xij
+            per_r = one / r
+            e = per_r * xij
             u_i, u_j = dot(vi, e), dot(vj, e)
             mu_max = wp.max(mu_max, u_j - u_i)
             left = side(u_j, p[j], rho[j], cs[j], materials[mat[j]].A_shock)
             right = side(u_i, p_i, rho_i, cs_i, A_i)
             if wp.static(second):
                 if whole_i and D[j] < one:
-                    per_r = one / r
-                    L_j = mirror.tensor(dvdx[j], sign)
-                    u_slope = limited(
-                        dot(e, product(L_i, e)), dot(e, product(L_j, e)), (u_i - u_j) * per_r, limiter_beta
-                    )
-                    p_slope = limited(
-                        dot(grad_p_i, e),
-                        dot(mirror.vector(grad_p[j], sign), e),
-                        (p_i - p[j]) * per_r,
+                    # differences over the pair: slope times r
+                    u_over = limited(
+                        per_r * quadratic(L_i, xij),
+                        per_r * quadratic(mirror.tensor(dvdx[j], sign), xij),
+                        u_i - u_j,
                         limiter_beta,
                     )
-                    rho_slope = limited(
-                        dot(grad_rho_i, e),
-                        dot(mirror.vector(grad_rho[j], sign), e),
-                        (rho_i - rho[j]) * per_r,
+                    p_over = limited(
+                        dot(grad_p_i, xij), dot(mirror.vector(grad_p[j], sign), xij), p_i - p[j], limiter_beta
+                    )
+                    rho_over = limited(
+                        dot(grad_rho_i, xij),
+                        dot(mirror.vector(grad_rho[j], sign), xij),
+                        rho_i - rho[j],
                         limiter_beta,
                     )
-                    to_i, to_j = half * wp.max(r - reach_i, zero), half * wp.max(r - cl[j] * step, zero)
-                    rho_l, rho_r = rho[j] + to_j * rho_slope, rho_i - to_i * rho_slope
+                    to_i = half * wp.max(one - reach_i * per_r, zero)
+                    to_j = half * wp.max(one - step * cl[j] * per_r, zero)
+                    rho_l, rho_r = rho[j] + to_j * rho_over, rho_i - to_i * rho_over
                     if rho_l > zero and rho_r > zero:
-                        left = side(u_j + to_j * u_slope, p[j] + to_j * p_slope, rho_l, cs[j], left.A)
-                        right = side(u_i - to_i * u_slope, p_i - to_i * p_slope, rho_r, cs_i, A_i)
-            u_star, p_star = interface(left, right, bears_i and bears_tension(materials[mat[j]], D[j]))
+                        left = side(u_j + to_j * u_over, p[j] + to_j * p_over, rho_l, cs[j], left.A)
+                        right = side(u_i - to_i * u_over, p_i - to_i * p_over, rho_r, cs_i, A_i)
+            u_star, p_star = interface(left, right, bears_i and bears_tension(materials[mat[j]].p_min, D[j]))
             flux = -two * vol[j] * p_star
             if wp.static(corrected):
                 w_ij = w(r, h)

@@ -4,7 +4,6 @@ import functools
 
 import warp as wp
 
-from .material import make_material
 from .riemann import make_riemann, make_riemann_state
 from .spec import Spec
 
@@ -39,12 +38,12 @@ def make_interface(s: Spec, riemann: str) -> tuple[wp.Function, wp.Function]:
 
 @functools.cache
 def make_bears(s: Spec) -> wp.Function:
-    """Build ``bears(material, D)``: whether a particle bears tension at all."""
-    real, Material = s.real, make_material(s)
+    """Build ``bears(p_min, D)``: whether a particle bears tension at all."""
+    real = s.real
 
     @wp.func
-    def bears(m: Material, D: real):
-        """False for a gas and for a particle that has failed, D = 1."""
-        return m.p_min < real(0.0) and D < real(1.0)
+    def bears(p_min: real, D: real):
+        """False for a material without tension, such as a gas, and for a particle that has failed, D = 1."""
+        return p_min < real(0.0) and D < real(1.0)
 
     return bears

@@ -23,7 +23,7 @@ class EosId(enum.IntEnum):
 class StrengthId(enum.IntEnum):
     """Strength law of a material; the switch in ``strength.py`` has one row for each.
 
-    From JOHNSON_COOK on the flow stress is not linear in the plastic strain: the return needs an iteration.
+    Laws whose flow stress is linear in the plastic strain come first.
     """
 
     FLUID = 0
@@ -32,6 +32,10 @@ class StrengthId(enum.IntEnum):
     LINEAR_HARDENING = 3
     JOHNSON_COOK = 4
     JOHNSON_HOLMQUIST_1 = 5
+
+
+FIRST_NONLINEAR = StrengthId.JOHNSON_COOK
+"""From this strength law on the return needs an iteration, and there may be temperature and damage."""
 
 
 class DamageId(enum.IntEnum):

@@ -62,35 +62,42 @@ def _two_shock(real: type, State: type) -> wp.Function:
         return S.p + S.rho * ((S.c + S.A * w) * w - two * S.A * below * below)
 
     @wp.func
-    def beyond(left: State, right: State, a: real, b: real):
-        """u* - u_R where a side expands beyond its vertex: there a or b, ± ρ A, is negative."""
-        W_r = reach(right)
-        gap = left.u - right.u + reach(left) + W_r
-        # b y² + P_r = a (gap - y)² + P_l for y = u - U_r, with P the pressures and U the velocities at the vertices
-        k0 = (
-            left.p
-            - half * left.rho * left.c * reach(left)
-            - right.p
-            + half * right.rho * right.c * W_r
-            + a * gap * gap
-        )
-        k1, k2 = two * a * gap, b - a
+    def proper(S: State, lowest: real, k: real, gap: real):
+        """Velocity jump w of a side whose wave is proper: p + (Z + ρ A w) w = lowest - k (gap - w)².
+
+        On the right-hand side is the other one, beyond its vertex: ``lowest`` the pressure there, k its ρ A.
+        """
+        k0 = lowest - S.p - k * gap * gap
+        k1 = S.rho * S.c - two * k * gap
+        k2 = S.rho * S.A + k
         d = wp.sqrt(wp.max(k1 * k1 + four * k2 * k0, zero))
-        q = k1 + d
-        if k1 < zero:
-            q = k1 - d
-        first, second = zero, zero
-        if q != zero:
-            first = two * k0 / q
-        if k2 != zero:
-            second = -half * q / k2
-        x_1, x_2 = first - W_r, second - W_r
+        if k1 > zero:
+            return two * k0 / (k1 + d)
+        return half * (d - k1) / k2
+
+    @wp.func
+    def beyond(a: real, b: real, gap: real, drop: real):
+        """How far a side is beyond its vertex where both are: y >= 0 of a (gap - y)² - b y² = drop, b its own ρ A."""
+        k0, k1 = a * gap * gap - drop, a * gap
+        return k0 / (k1 + wp.sqrt(wp.max(k1 * k1 + (b - a) * k0, zero)))
+
+    @wp.func
+    def expanding(left: State, right: State):
+        """u* - u_R where at least one side is beyond its vertex."""
+        a, b = left.rho * left.A, right.rho * right.A
+        W_l, W_r = reach(left), reach(right)
+        lowest_l, lowest_r = curve(left, -W_l), curve(right, -W_r)
         jump = left.u - right.u
-        miss_1 = wp.abs(curve(right, x_1) - curve(left, jump - x_1))
-        miss_2 = wp.abs(curve(right, x_2) - curve(left, jump - x_2))
-        if miss_2 < miss_1:
-            return x_2
-        return x_1
+        left_beyond = curve(right, jump + W_l) < lowest_l
+        right_beyond = curve(left, jump + W_r) < lowest_r
+        x = -W_r  # at the vertex, unless it is beyond
+        if left_beyond and right_beyond:
+            x = -(beyond(a, b, -(jump + W_l + W_r), lowest_l - lowest_r) + W_r)
+        elif left_beyond:
+            x = proper(right, lowest_l, a, jump + W_l)
+        elif right_beyond:
+            x = jump - proper(left, lowest_r, b, jump + W_r)
+        return x
 
     @wp.func
     def two_shock(left: State, right: State):
@@ -103,20 +110,15 @@ def _two_shock(real: type, State: type) -> wp.Function:
         a, b = left.rho * left.A, right.rho * right.A
         Z_l, Z_r = left.rho * left.c, right.rho * right.c
         jump = left.u - right.u
-        W_l, W_r = reach(left), reach(right)
-        x = zero
-        # u* lies before the left vertex and behind the right one: both waves are on the parabolas proper
-        if curve(right, jump + W_l) >= curve(left, -W_l) and curve(right, -W_r) <= curve(left, jump + W_r):
-            k0 = left.p - right.p + (Z_l + a * jump) * jump  # (b - a) x² + k1 x = k0
-            k1 = Z_r + Z_l + two * a * jump
-            x = two * k0 / (k1 + wp.sqrt(wp.max(k1 * k1 + four * (b - a) * k0, zero)))
-        else:
-            if curve(right, jump + W_l) < curve(left, -W_l):
-                a = -a
-            if curve(right, -W_r) > curve(left, jump + W_r):
-                b = -b
-            x = beyond(left, right, a, b)
-        return right.u + x, half * (curve(right, x) + curve(left, jump - x))
+        k0 = left.p - right.p + (Z_l + a * jump) * jump
+        k1 = Z_r + Z_l + two * a * jump  # (b - a) x² + k1 x = k0, for the root where the curves cross as they should
+        x = two * k0 / (k1 + wp.sqrt(k1 * k1 + four * (b - a) * k0))  # not a number where they do not
+        y = jump - x
+        p = half * ((right.p + (Z_r + b * x) * x) + (left.p + (Z_l + a * y) * y))
+        if not (two * right.A * x + right.c >= zero and two * left.A * y + left.c >= zero):
+            x = expanding(left, right)
+            p = half * (curve(right, x) + curve(left, jump - x))
+        return right.u + x, p
 
     return two_shock
 

@@ -17,6 +17,7 @@ class Tensor(NamedTuple):
 
     dot: wp.Function
     product: wp.Function
+    quadratic: wp.Function
     stretch: wp.Function
     rotate: wp.Function
     deviator: wp.Function
@@ -39,6 +40,10 @@ def make_tensor(s: Spec) -> Tensor:
         def product(A: mat, b: vec):
             return vec(A[0, 0] * b[0], real(0.0), real(0.0))
 
+        @wp.func
+        def quadratic(A: mat, b: vec):
+            return A[0, 0] * b[0] * b[0]
+
     elif dim == 2:
 
         @wp.func
@@ -49,6 +54,10 @@ def make_tensor(s: Spec) -> Tensor:
         def product(A: mat, b: vec):
             return vec(A[0, 0] * b[0] + A[0, 1] * b[1], A[1, 0] * b[0] + A[1, 1] * b[1], real(0.0))
 
+        @wp.func
+        def quadratic(A: mat, b: vec):
+            return A[0, 0] * (b[0] * b[0]) + (A[0, 1] + A[1, 0]) * (b[0] * b[1]) + A[1, 1] * (b[1] * b[1])
+
     else:
 
         @wp.func
@@ -58,6 +67,10 @@ def make_tensor(s: Spec) -> Tensor:
         @wp.func
         def product(A: mat, b: vec):
             return A * b
+
+        @wp.func
+        def quadratic(A: mat, b: vec):
+            return wp.dot(b, A * b)
 
     @wp.func
     def stretch(L: mat):
@@ -82,7 +95,7 @@ def make_tensor(s: Spec) -> Tensor:
         """|curl v| of the velocity gradient [1/s]."""
         return wp.length(vec(L[2, 1] - L[1, 2], L[0, 2] - L[2, 0], L[1, 0] - L[0, 1]))
 
-    return Tensor(dot, product, stretch, rotate, deviator, von_mises, curl)
+    return Tensor(dot, product, quadratic, stretch, rotate, deviator, von_mises, curl)
 
 
 def _rotation(s: Spec) -> wp.Function:

@@ -65,7 +65,7 @@ def build(
     particles: int = 400,
     dim: Literal[1, 2] = 1,
     smoothing_ratio: float = 2.4,
-    riemann: Literal["acoustic", "two-shock"] = "acoustic",
+    riemann: Literal["acoustic", "two-shock"] = "two-shock",
     limiter: Literal["superbee", "minmod", "sweby", "mc", "vanleer"] = "superbee",
     limit_jump: bool = False,
 ) -> Scene:

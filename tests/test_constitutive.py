@@ -24,7 +24,8 @@ def deform(L, dt, steps, dim=3, plane_stress=False, material=ELASTIC, tau=None, 
     one = np.ones(1)
     state = {
         "dvdx": np.zeros((1, 3, 3)), "div": (div or 0.0) * one, "e": e * one, "m": DENSITY * one, "mat": np.zeros(1, np.int32), "dt": dt * one,
-        "rho": DENSITY * one, "tau": (np.zeros((3, 3)) if tau is None else tau)[None], "ep": 0 * one, "p": 0 * one,
+        "rho": DENSITY * one, "tau": (np.zeros((3, 3)) if tau is None else tau)[None], "ep": 0 * one, "ep_rate": 0 * one,
+        "T": material.initial_temperature * one, "D": 0 * one, "p": 0 * one,
         "cs": C * one, "cl": 0 * one, "sig": np.zeros((1, 3, 3)), "vol": one, "thickness": one.copy(),
         "p_high": 0 * one, "p_low": 0 * one, "clipped": np.zeros(1, np.int32),
     }  # fmt: skip

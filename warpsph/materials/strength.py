@@ -143,7 +143,10 @@ class JohnsonHolmquist1(Strength):
 
     id = StrengthId.JOHNSON_HOLMQUIST_1
     title = "Johnson-Holmquist 1"
-    equation = "lines (T, 0), (P1, s1), (P2, s2); failed: min(cf P, sf_max)"
+    equation = (
+        "flow stress on the lines (T, 0), (P1, s1), (P2, s2), failed min(cf P, sf_max), times 1 + C ln max(ε̇/ε̇0, 1); "
+        "damage dεp/ε_f, ε_f on the line (T, 0), (P_max, eps_f_max)"
+    )
     reference = "Johnson & Holmquist 1991"
 
     G: float = constant("Pa", "shear modulus")

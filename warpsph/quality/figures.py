@@ -61,7 +61,7 @@ def profiles(panels: Sequence[Panel], path: Path) -> None:
         axes.set_title(units.label(panel.title, unit), fontsize=11, loc="left")
         axes.grid(color="#dddddd", linewidth=0.8)
         axes.spines[["top", "right"]].set_visible(False)
-    grid[0].legend(frameon=False, fontsize=10)
+    grid[0].legend(frameon=False, fontsize=10, loc="lower center")
     for axes in grid[len(panels) :]:
         axes.remove()
     memory = io.BytesIO()

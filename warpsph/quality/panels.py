@@ -1,22 +1,28 @@
-"""Pictures of validation cases: particles of several runs side by side, all with one camera and one colour range."""
+"""Pictures of validation cases: particles of several runs side by side, all with one colour range."""
 
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from warpsph import units
-from warpsph.drawing.camera import place_2d
 from warpsph.drawing.cloud import RADIUS
-from warpsph.drawing.spheres import Spheres
 from warpsph.scalars import scalar
 from warpsph.state import State
 from warpsph.storage import atomic
 
-COLOURS = 192
-"""Colours in the file: a picture of particles is several times smaller so, and looks the same."""
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
+
+DPI = 100
+"""Pixels per inch of the file."""
+
+MARGIN = {"left": 30, "right": 110, "top": 30, "bottom": 10, "gap": 8}
+"""Room for names and colour bar, and between panels [pixels]."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +33,7 @@ class Colouring:
         field: Quantity, see `warpsph.scalars.scalar`.
         limits: Values at the ends of the colour bar [SI].
         cmap: Name of a matplotlib colour map.
-        black: Name of a body drawn black, as one to which the quantity means nothing.
+        black: Name of a body drawn black, because the quantity is that of another.
     """
 
     field: str
@@ -36,75 +42,66 @@ class Colouring:
     black: str | None = None
 
 
-def panels(
-    rows: Sequence[Sequence[State]],
-    names: tuple[Sequence[str], Sequence[str]],
-    colouring: Colouring,
-    box: np.ndarray,
-    path: Path,
-    *,
-    width: int = 340,
-) -> None:
-    """Draw states in rows and columns into a PNG file.
+@dataclass(frozen=True)
+class Panels:
+    """States in 2D in rows and columns, each with a name.
 
-    Args:
-        rows: The states in 2D, row by row.
-        names: Names of the rows and of the columns.
-        colouring: What the colours mean.
-        box: Lower and upper corner of what each panel shows [m], shape [2, 3].
-        path: The file.
+    Attributes:
+        states: The states by the names of row and column; every row has the same columns.
+        box: Lower and upper corner of what a panel shows [m], shape [2, 2].
         width: Width of a panel [pixels].
+    """
+
+    states: dict[str, dict[str, State]]
+    box: np.ndarray
+    width: int = 240
+
+
+def draw_panels(panels: Panels, colouring: Colouring, path: Path) -> None:
+    """Draw particles as discs into a PNG file.
 
     Raises:
-        RunError: If this machine cannot draw off screen, or the file cannot be written.
+        RunError: If the file cannot be written.
     """
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
 
-    factor, unit = units.scale(scalar(rows[0][0], colouring.field).unit, max(map(abs, colouring.limits)))
+    rows, columns = list(panels.states), list(next(iter(panels.states.values())))
+    quantity = scalar(panels.states[rows[0]][columns[0]], colouring.field)
+    factor, unit = units.scale(quantity.unit, max(map(abs, colouring.limits)))
     mapping = ScalarMappable(Normalize(*(factor * value for value in colouring.limits)), colouring.cmap)
-    aspect = float(np.divide(*np.ptp(box, axis=0)[:2]))
-    size = (width, round(width / aspect))
-    figure = Figure(
-        figsize=((size[0] * len(rows[0]) + 130) / 100, (size[1] * len(rows) + 40) / 100), dpi=100, layout="constrained"
-    )
-    grid = figure.subplots(len(rows), len(rows[0]), squeeze=False)
-    spheres = Spheres((2 * size[0], 2 * size[1]), RADIUS[2] * rows[0][0].spacing, place_2d(box, aspect))
-    for j, row in enumerate(rows):
-        for k, state in enumerate(row):
-            axes = grid[j, k]
-            axes.imshow(spheres.draw(np.asarray(state.x, float), _colours(state, colouring, mapping, factor)))
+    across, up = np.ptp(panels.box, axis=0)
+    size = np.array((panels.width, round(panels.width * up / across)))
+    corner, step = np.array((MARGIN["left"], MARGIN["bottom"])), size + MARGIN["gap"]
+    end = corner + step * (len(columns), len(rows))
+    pixels = end + (MARGIN["right"], MARGIN["top"])
+    figure = Figure(figsize=pixels / DPI, dpi=DPI)
+    for j, row in enumerate(reversed(rows)):
+        for k, column in enumerate(columns):
+            place = (corner + step * (k, j)) / pixels
+            axes = figure.add_axes((*place, *size / pixels), xlim=panels.box[:, 0], ylim=panels.box[:, 1])
             axes.set(xticks=[], yticks=[])
             axes.spines[:].set_visible(False)
-    spheres.close()
-    for axes, name in zip(grid[0], names[1], strict=True):
-        axes.set_title(name, fontsize=11)
-    for axes, name in zip(grid[:, 0], names[0], strict=True):
-        axes.set_ylabel(name, fontsize=11)
-    title = scalar(rows[0][0], colouring.field).title
-    figure.colorbar(mapping, ax=grid, label=units.label(title, unit), fraction=0.05, aspect=40)
-    _write(figure, path)
-
-
-def _colours(state: State, colouring: Colouring, mapping: object, factor: float) -> np.ndarray:
-    """Red, green and blue of every particle, shape [n, 3], uint8."""
-    values = scalar(state, colouring.field).values
-    colours = mapping.to_rgba(values * factor, bytes=True)[:, :3].copy()
-    if colouring.black is not None:
-        colours[state.of(colouring.black)] = 40
-    return colours
-
-
-def _write(figure: object, path: Path) -> None:
-    """Write a figure with few colours.
-
-    Raises:
-        RunError: If it cannot be written.
-    """
-    from PIL import Image
-
-    memory, small = io.BytesIO(), io.BytesIO()
+            _draw(axes, panels.states[row][column], colouring, mapping, factor)
+            if j == len(rows) - 1:
+                axes.set_title(column, fontsize=11)
+            if k == 0:
+                axes.set_ylabel(row, fontsize=11)
+    place = (end[0] + 8, corner[1] + 0.1 * (end[1] - corner[1])) / pixels
+    bar = figure.add_axes((*place, 14 / pixels[0], 0.8 * (end[1] - corner[1]) / pixels[1]))
+    figure.colorbar(mapping, cax=bar, label=units.label(quantity.title, unit))
+    memory = io.BytesIO()
     figure.savefig(memory, format="png")
-    Image.open(memory).convert("RGB").quantize(COLOURS).save(small, format="png", optimize=True)
-    atomic.write(path, small.getbuffer())
+    atomic.write(path, memory.getbuffer())
+
+
+def _draw(axes: "Axes", state: State, colouring: Colouring, mapping: "ScalarMappable", factor: float) -> None:
+    """Draw one state."""
+    colours = mapping.to_rgba(scalar(state, colouring.field).values * factor)
+    if colouring.black is not None:
+        colours[state.of(colouring.black)] = (0.1, 0.1, 0.1, 1.0)
+    low, high = axes.get_xlim()
+    inches = axes.get_position().width * axes.figure.get_figwidth()
+    diameter = 2.0 * RADIUS[2] * state.spacing / (high - low) * inches * 72.0  # [points]
+    axes.scatter(*state.x[:, :2].T, s=diameter**2, c=colours, linewidths=0.0, antialiased=False)

@@ -1,5 +1,6 @@
 """``warpsph validate``: run the validation cases and set what comes out beside what was published and is expected."""
 
+import itertools
 import math
 import re
 from pathlib import Path
@@ -90,11 +91,6 @@ def _folder(case: Case, row: Row, out: Path) -> Path:
     return out / case.scene / re.sub(r"\W+", "-", row.name)
 
 
-def _folder(case: Case, row: Row, out: Path) -> Path:
-    """Folder of a run."""
-    return out / case.scene / re.sub(r"\W+", "-", row.name)
-
-
 def _value(figure: Figure, summary: dict[str, Any]) -> float:
     """A figure of a summary in the unit to show."""
     return figure.factor * (
@@ -135,7 +131,7 @@ def _orders(part: Convergence, found: Summaries) -> list[list[str]]:
         rows.append([name])
         for figure in part.figures:
             errors = [math.nan if isinstance(run, str) else _value(figure, run) for run in runs]
-            orders = (math.log2(a / b) for a, b in zip(errors, errors[1:], strict=False))
+            orders = (math.log2(coarse / fine) for coarse, fine in itertools.pairwise(errors))
             rows[-1].append(", ".join(f"{order:.2f}" for order in orders))
     return rows
 
@@ -183,10 +179,6 @@ def _publish(case: Case, found: Summaries, origin: dict[str, str], out: Path) ->
         report.write_section(root / "docs" / "validation.md", case.scene, text)
     else:
         atomic.write(out / f"{case.scene}.md", f"# {case.scene}\n\n{text}\n".encode())
-    if case.draw is not None:
-        rows = (row for part in case.tables for row in part.rows)
-        pictures = out if root is None else root / "docs" / "images"
-        case.draw({row.name: _folder(case, row, out) for row in rows}, pictures / f"{case.scene}.png")
 
 
 def _draw(case: Case, found: Summaries, out: Path) -> None:

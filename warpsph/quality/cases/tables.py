@@ -66,6 +66,21 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Convergence:
+    """How fast errors fall with resolution, as a table of its own: its runs are those of the other tables.
+
+    Attributes:
+        title: Heading.
+        figures: The errors, a column each.
+        series: Names of rows by what they have in common, from coarse to fine, each twice as fine as the one before.
+    """
+
+    title: str
+    figures: tuple[Figure, ...]
+    series: dict[str, tuple[str, ...]]
+
+
+@dataclass(frozen=True)
 class Picture:
     """A picture made from the runs of a case.
 
@@ -86,11 +101,13 @@ class Case:
         scene: Name of the bundled scene, and of the case.
         tables: The tables.
         pictures: Pictures of the runs; not made if a run stopped.
+        convergence: Orders of convergence, if there are series of resolutions.
     """
 
     scene: str
     tables: tuple[Table, ...]
     pictures: tuple[Picture, ...] = ()
+    convergence: Convergence | None = None
 
 
 ENERGY = Figure("energy_error", "energy error", style=".1e", expected=(0.0, 1e-10))
