@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from warpsph.errors import InputError, RunError
-from warpsph.quality import bench, report
+from warpsph.quality import bench, report, series
 from warpsph.quality.peer import Peer
 from warpsph.quality.stopwatch import REST, ROWS, kernel_times, short_name
 
@@ -27,8 +27,8 @@ def coarse(monkeypatch):
     """The two-dimensional case with few particles and steps."""
     scene = bench.impact_2d(1000)
     monkeypatch.setattr(bench, "impact_2d", lambda particles=None: scene)
-    monkeypatch.setattr(bench, "WARM_UP", 3)
-    monkeypatch.setattr(bench, "STEPS", 6)
+    monkeypatch.setattr(series, "WARM_UP", 3)
+    monkeypatch.setattr(series, "STEPS", 6)
     monkeypatch.setattr(bench, "PRECISIONS", ("float64",))
     return scene
 
@@ -58,7 +58,7 @@ def test_figures_are_plausible(coarse):
     data, variant = coarse.finalize(), bench.Variant("cpu", "float64", 1)
     (row,) = bench._in_turn("2D impact", data, [variant], [], 3, lambda text: None)
     assert len(row.ns) == 3 and 10.0 < min(row.ns) < 1e6
-    assert bench.STEPS <= row.steps and 15.0 < row.neighbours < 25.0
+    assert series.STEPS <= row.steps and 15.0 < row.neighbours < 25.0
     whole = bench._whole("2D impact", coarse_end(coarse), variant, lambda text: None)
     assert whole.steps > row.steps and len(whole.cells()) == len(bench.HEADER)
 
@@ -122,7 +122,7 @@ def test_sizes_are_about_as_asked(scene, dim):
 
 def test_stopwatch_leaves_the_solver_as_it_was(coarse):
     solver = bench.Variant("cpu", "float64", 1).solver(coarse.finalize())
-    spent = kernel_times(solver, lambda: bench._advance(solver, 6))
+    spent = kernel_times(solver, lambda: series.advance(solver, 6))
     assert {"momentum", "kick", "drift", "decide", REST} <= set(spent)
     assert all(seconds >= 0.0 for name, seconds in spent.items() if name != REST)
     assert "execute" not in vars(solver.launcher) and "build" not in vars(solver.neighbours)

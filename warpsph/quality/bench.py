@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from statistics import median
 
 from warpsph import library
@@ -15,79 +15,17 @@ from warpsph.scene import Scene, SceneData
 from warpsph.shapes import Box, Sphere
 from warpsph.solver import Solver
 
-from . import report
+from . import report, series
 from .peer import Peer
+from .scheme_costs import scheme_costs
+from .series import HEADER, Series, Variant, advance, first_steps
 from .stopwatch import REST, ROWS, kernel_times
-
-WARM_UP, STEPS = 20, 80
-"""Steps before the clock starts, and steps that it then measures."""
 
 SCHEME = "sav1-as"
 """Scheme of the two-dimensional case: what the peer script for PySPH solves."""
 
 PRECISIONS = ("float64", "float32")
 """In the order of the tables."""
-
-HEADER = (
-    "case", "window", "particles", "precision", "threads", "ns per particle-step: median", "min", "max",
-    "neighbours", "ns per pair", "steps per rebuild",
-)  # fmt: skip
-"""Columns of the first table."""
-
-
-@dataclass(frozen=True)
-class Variant:
-    """One way to compute a case.
-
-    Attributes:
-        device: Name of the Warp device.
-        precision: ``float64`` or ``float32``.
-        threads: CPU threads.
-    """
-
-    device: str
-    precision: str
-    threads: int | None
-
-    def solver(self, data: SceneData) -> Solver:
-        """Make a solver that is ready to step."""
-        made = Solver(data, device=self.device, precision=self.precision, threads=self.threads)
-        made.prepare()
-        return made
-
-
-@dataclass
-class Series:
-    """Repeated measurements of one case in one window of its time.
-
-    Attributes:
-        case: Name of the case.
-        window: Which steps were measured.
-        variant: How it was computed.
-        particles: Number of particles.
-        ns: Wall time per particle and step [ns], one for each repetition.
-        neighbours: Mean neighbours within the support, the particle itself left out.
-        steps: Steps of a repetition.
-        builds: Rebuilds of the neighbour rows in them.
-    """
-
-    case: str
-    window: str
-    variant: Variant
-    particles: int
-    ns: list[float] = field(default_factory=list)
-    neighbours: float = 0.0
-    steps: int = 0
-    builds: int = 0
-
-    def cells(self) -> list[str]:
-        """Row of the table."""
-        middle = median(self.ns)
-        return [
-            self.case, self.window, f"{self.particles:,}", self.variant.precision, str(self.variant.threads or "-"),
-            f"{middle:.4g}", f"{min(self.ns):.4g}", f"{max(self.ns):.4g}", f"{self.neighbours:.1f}",
-            f"{middle / self.neighbours:.3g}", f"{self.steps / max(self.builds, 1):.1f}",
-        ]  # fmt: skip
 
 
 def bench(
@@ -141,10 +79,12 @@ def bench(
     if size is not None:
         for case, scene in (("2D impact", impact_2d(size)), ("3D impact", impact_3d(size))):
             rows += _in_turn(case, scene.finalize(), _variants(device)[-2:], [], repeats, say)
+    schemes = scheme_costs(impact_2d(), variants, repeats, say)
     say("timing every kernel ...")
     tables = [("", HEADER, [row.cells() for row in rows])]
     if beside:
         tables.append(("Beside other codes", PEER_HEADER, beside))
+    tables.append(("What the schemes cost", *schemes))
     tables.append(("What a step is made of", *_shares(data, variants)))
     _publish(find_device(device).is_cuda, origin, tables)
     return "\n\n".join((f"{title}\n" if title else "") + table(body, head) for title, head, body in tables)
@@ -197,33 +137,15 @@ def _in_turn(
     which: str = "",
 ) -> list[Series]:
     """Measure the first steps with every variant and every peer in turn, so that all see the same machine."""
-    window = f"steps {WARM_UP + 1} to {WARM_UP + STEPS}{which}"
-    series = [Series(case, window, variant, len(data.x)) for variant in variants]
+    window = f"steps {series.WARM_UP + 1} to {series.WARM_UP + series.STEPS}{which}"
+    rows = [Series(case, window, variant, len(data.x)) for variant in variants]
     for k in range(repeats):
         say(f"{case}, {len(data.x):,} particles: repetition {k + 1} of {repeats}")
-        for row in series:
-            _first_steps(row, data)
+        for row in rows:
+            first_steps(row, data)
         for peer in peers:
             peer.measure()
-    return series
-
-
-def _first_steps(row: Series, data: SceneData) -> None:
-    """Add one measurement of `STEPS` steps after `WARM_UP` steps."""
-    solver = row.variant.solver(data)
-    _advance(solver, WARM_UP)
-    steps, builds, start = solver.reading.steps, solver.neighbours.builds, time.perf_counter()
-    _advance(solver, STEPS)
-    wall = time.perf_counter() - start
-    row.steps, row.builds = solver.reading.steps - steps, solver.neighbours.builds - builds
-    row.ns.append(1e9 * wall / (row.steps * len(data.x)))
-    row.neighbours = row.neighbours or solver.mean_neighbours()
-
-
-def _advance(solver: Solver, count: int) -> None:
-    """Take ``count`` steps, and those that were under way then: batches are not cut."""
-    target = solver.reading.steps + count
-    solver.advance(float("inf"), lambda now: now.steps >= target)
+    return rows
 
 
 def _whole_in_turn(
@@ -280,9 +202,9 @@ def _shares(data: SceneData, variants: list[Variant]) -> tuple[list[str], list[l
     columns = []
     for variant in variants:
         solver = variant.solver(data)
-        _advance(solver, WARM_UP)
+        advance(solver, series.WARM_UP)
         before = solver.reading.steps
-        spent = kernel_times(solver, lambda solver=solver: _advance(solver, STEPS))
+        spent = kernel_times(solver, lambda solver=solver: advance(solver, series.STEPS))
         total = sum(spent.values())
         work = (solver.reading.steps - before) * len(data.x)
         columns.append({name: f"{1e9 * t / work:.3g} ({t / total:.0%})" for name, t in spent.items()})
