@@ -59,6 +59,7 @@ def hvi_2d() -> Case:
                 tuple(Row(s, {"scheme": s}, published.get(s, {})) for s in schemes),
                 others,
             ),
+            Table("Godunov schemes", figures, tuple(Row(s, {"scheme": s}) for s in ("con", "ts1", "ts2"))),
             Table("Variants of sav1", figures, variants),
         ),
     )
