@@ -5,7 +5,7 @@ import functools
 import warp as wp
 
 from .correction import make_gradient
-from .interface import make_bears, make_interface
+from .interface import make_interface
 from .material import make_material
 from .mirror import make_mirror
 from .smoothing import Smoothing
@@ -19,7 +19,7 @@ def make_godunov_pm(s: Spec, smoothing: Smoothing, riemann: str, corrected: bool
     real, vec, matrix = s.real, s.vec, s.mat
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     side, interface = make_interface(s, riemann)
-    bears_tension, Material = make_bears(s), make_material(s)
+    Material = make_material(s)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     dot, product = tensor.dot, tensor.product
     zero, half, one, two = real(0.0), real(0.5), real(1.0), real(2.0)
@@ -78,7 +78,7 @@ def make_godunov_pm(s: Spec, smoothing: Smoothing, riemann: str, corrected: bool
         rho_i, cl_i = rho[i], cl[i]
         Zt_i = shear_impedance(rho_i, cs[i], cl_i)
         A_i = materials[mat[i]].A_shock
-        bears_i = bears_tension(materials[mat[i]].p_min, D[i])
+        bears_i = D[i] < materials[mat[i]].D_tension
         r_max2 = support * support * h * h
         # scalars, not vectors or matrices: the compiler keeps them in registers
         f_x, f_y, f_z, power, mu_max = real(0.0), real(0.0), real(0.0), real(0.0), real(0.0)
@@ -109,13 +109,14 @@ def make_godunov_pm(s: Spec, smoothing: Smoothing, riemann: str, corrected: bool
                 mu_max = wp.max(mu_max, u_j - u_i)
                 left = side(u_j, p_j, rho[j], cl[j], materials[mat[j]].A_shock)
                 right = side(u_i, p_i, rho_i, cl_i, A_i)
-                u_star, p_star = interface(left, right, bears_i and bears_tension(materials[mat[j]].p_min, D[j]))
-                # the transverse vectors, by the acoustic solver; no traction between fluids
+                bears = bears_i and D[j] < materials[mat[j]].D_tension
+                u_star, p_star = interface(left, right, bears)
+                # the transverse vectors, by the acoustic solver; no traction between fluids, nor where the pair comes apart
                 Zt_j = shear_impedance(rho[j], cs[j], cl[j])
                 vt_i, vt_j = vi - u_i * e, vj - u_j * e
                 s_i, s_j = t_i + p_i * e, t_j + p_j * e
                 vt, st = half * (vt_i + vt_j), vec()
-                if wp.static(dim > 1) and Zt_i + Zt_j > zero:
+                if wp.static(dim > 1) and Zt_i + Zt_j > zero and (bears or p_star > zero):
                     Z = one / (Zt_i + Zt_j)
                     vt = Z * (Zt_j * vt_j + Zt_i * vt_i + (s_i - s_j))
                     st = Z * (Zt_i * s_j + Zt_j * s_i + (Zt_i * Zt_j) * (vt_i - vt_j))

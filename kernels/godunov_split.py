@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import warp as wp
 
 from .correction import make_gradient
-from .interface import make_bears, make_interface
+from .interface import make_interface
 from .limiters import make_limiter
 from .material import make_material
 from .mirror import make_mirror
@@ -158,7 +158,7 @@ def make_hydrodynamic(
     real, vec, matrix = s.real, s.vec, s.mat
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     side, interface = make_interface(s, states.riemann)
-    bears_tension, Material = make_bears(s), make_material(s)
+    Material = make_material(s)
     limited = make_limiter(s, states.limiter, states.jump)
     w = smoothing.w
     dot, quadratic = tensor.dot, tensor.quadratic
@@ -205,8 +205,8 @@ def make_hydrodynamic(
 
         f_ab = -2 V_a V_b p* q_ab, q_ab = (g_ab - g_ba)/2; v* = u* along e, the direction from b to a, and the pair's
         mean across it, which does no work without correction (section 10, stage 2; Connolly et al. 2013, Eqs. 22 and
-        34). Second order: the states lie (r/2)(1 - c_l dt/r) off the particles on the limited slope (Eqs. 23-27). The
-        slope of v is that of the last step: v has not changed since, and x by what a step moves.
+        34). Second order: the states lie (r/2)(1 - c_l dt/r) off the particles on the limited slope (Eqs. 23-27). dvdx
+        is that of v, the velocity after the first stage.
         mu = largest approach speed [m/s].
         """
         i = wp.tid() + offset
@@ -218,7 +218,7 @@ def make_hydrodynamic(
         xi, vi = x[i], v[i]
         p_i, rho_i, cs_i = p[i], rho[i], cs[i]
         A_i = materials[mat[i]].A_shock
-        bears_i, whole_i = bears_tension(materials[mat[i]].p_min, D[i]), D[i] < one
+        bears_i, whole_i = D[i] < materials[mat[i]].D_tension, D[i] < one
         if wp.static(second):
             L_i, grad_p_i, grad_rho_i = dvdx[i], grad_p[i], grad_rho[i]
             reach_i = cl[i] * step
@@ -260,7 +260,7 @@ def make_hydrodynamic(
                     if rho_l > zero and rho_r > zero:
                         left = side(u_j + to_j * u_over, p[j] + to_j * p_over, rho_l, cs[j], left.A)
                         right = side(u_i - to_i * u_over, p_i - to_i * p_over, rho_r, cs_i, A_i)
-            u_star, p_star = interface(left, right, bears_i and bears_tension(materials[mat[j]].p_min, D[j]))
+            u_star, p_star = interface(left, right, bears_i and D[j] < materials[mat[j]].D_tension)
             flux = -two * vol[j] * p_star
             if wp.static(corrected):
                 w_ij = w(r, h)

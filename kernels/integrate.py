@@ -107,7 +107,7 @@ def make_integrate(s: Spec, exact_energy: bool = True) -> IntegrateKernels:
     ):
         """x' = x + dt (v + v')/2, and dvdt = (v' - v)/dt [m/s²] of the whole step, which limits the next one.
 
-        Of a scheme whose stress follows v' and which damps waves by itself (section 11).
+        Of a scheme whose stress follows a velocity that has felt it, and which damps waves by itself (section 11).
         """
         i = wp.tid() + offset
         if dt[0] == zero:

@@ -34,16 +34,3 @@ def make_interface(s: Spec, riemann: str) -> tuple[wp.Function, wp.Function]:
         return u, p
 
     return side, interface
-
-
-@functools.cache
-def make_bears(s: Spec) -> wp.Function:
-    """Build ``bears(p_min, D)``: whether a particle bears tension at all."""
-    real = s.real
-
-    @wp.func
-    def bears(p_min: real, D: real):
-        """False for a material without tension, such as a gas, and for a particle that has failed, D = 1."""
-        return p_min < real(0.0) and D < real(1.0)
-
-    return bears

@@ -28,7 +28,7 @@ def build(
     spacing: float = 2.5e-4,
     speed: float = 800.0,
     riemann: Literal["acoustic", "two-shock"] = "two-shock",
-    limiter: Literal["superbee", "minmod", "sweby", "mc", "vanleer"] = "superbee",
+    limiter: Literal["superbee", "minmod", "sweby", "mc", "vanleer"] = "minmod",
     limiter_beta: float = 1.5,
     limit_jump: bool = False,
 ) -> Scene:

@@ -33,6 +33,8 @@ def impact(time=0.0, dim=2, real=np.float64, seed=0):
         "ep": rng.random(n).astype(real),
         "p_high": np.full(n, 2e9, dtype=real),
         "p_low": np.full(n, -1e9, dtype=real),
+        "T": np.linspace(293.15, 900.0, n).astype(real),
+        "D": rng.random(n).astype(real),
     }
     return State(
         time=time,

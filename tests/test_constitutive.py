@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from tools import DENSITY, DOUBLE, ELASTIC, PLASTIC, G, K, body, by_id, jittered, launch
 
+from warpsph import materials as lib
 from warpsph.kernels.constitutive import make_constitutive
 from warpsph.materials import pack
 
@@ -15,29 +16,43 @@ C = math.sqrt(K / DENSITY)
 Y = PLASTIC.strength.Y
 
 
-def deform(L, dt, steps, dim=3, plane_stress=False, material=ELASTIC, tau=None, e=0.0, div=None):
+def deform(
+    L,
+    dt,
+    steps,
+    dim=3,
+    plane_stress=False,
+    material=ELASTIC,
+    tau=None,
+    e=0.0,
+    div=None,
+    spec=None,
+    state=None,
+):
     """One particle under a velocity gradient, or a function of its stress that gives one; its fields at the end.
 
-    With ``div`` the density follows that rate.
+    With ``div`` the density follows that rate. ``state`` is what an earlier call gave, to go on from.
     """
-    spec, kernel = DOUBLE[dim], make_constitutive(DOUBLE[dim], plane_stress, div is not None)
+    spec = spec or DOUBLE[dim]
+    kernel = make_constitutive(spec, plane_stress, div is not None)
     one = np.ones(1)
-    state = {
-        "dvdx": np.zeros((1, 3, 3)), "div": (div or 0.0) * one, "e": e * one, "m": DENSITY * one, "mat": np.zeros(1, np.int32), "dt": dt * one,
-        "rho": DENSITY * one, "tau": (np.zeros((3, 3)) if tau is None else tau)[None], "ep": 0 * one, "ep_rate": 0 * one,
+    start = {
+        "dvdx": np.zeros((1, 3, 3)), "div": (div or 0.0) * one, "e": e * one, "m": material.density * one,
+        "mat": np.zeros(1, np.int32), "dt": dt * one, "rho": material.density * one,
+        "tau": (np.zeros((3, 3)) if tau is None else tau)[None], "ep": 0 * one, "ep_rate": 0 * one,
         "T": material.initial_temperature * one, "D": 0 * one, "p": 0 * one,
-        "cs": C * one, "cl": 0 * one, "sig": np.zeros((1, 3, 3)), "vol": one, "thickness": one.copy(),
-        "p_high": 0 * one, "p_low": 0 * one, "clipped": np.zeros(1, np.int32),
+        "cs": material.bulk_speed * one, "cl": 0 * one, "sig": np.zeros((1, 3, 3)), "vol": one,
+        "thickness": one.copy(), "p_high": 0 * one, "p_low": 0 * one, "clipped": np.zeros(1, np.int32),
     }  # fmt: skip
+    state = start | {name: values[None] for name, values in (state or {}).items() if name in start}
+    state |= {"dt": dt * one}
+    table = pack([material], spec, "cpu")
     for _ in range(steps):
         rate = L(state["sig"][0] / state["thickness"][0]) if callable(L) else L
         state = launch(
-            kernel,
-            1,
-            spec,
-            materials=pack([material], spec, "cpu"),
-            **(state | {"dvdx": np.array(rate)[None]}),
+            kernel, 1, spec, materials=table, **(state | {"dvdx": np.array(rate, dtype=float)[None]})
         )
+        state = {name: values for name, values in state.items() if name in start}
     return {name: values[0] for name, values in state.items()}
 
 
@@ -149,3 +164,64 @@ def test_plane_stress_holds_in_plastic_flow(rate):
     assert abs(stress[2, 2]) < 1e-8 * K and abs(stress[1, 1]) < 1e-2 * Y
     assert state["ep"] == pytest.approx(0.1 - Y / E, rel=1e-3)
     assert state["thickness"] == pytest.approx(math.exp(-0.05 * rate), rel=1e-3)
+
+
+def test_plastic_work_becomes_heat(precision):
+    """χ of the work that is not stored elastically: pure shear at constant volume, Johnson-Cook steel."""
+    steel, rate, dt, steps = lib.get("steel-jc"), 1e5, 1e-8, 200
+    law, L = steel.strength, rate * np.diag([1.0, -1.0, 0.0])
+    work, state = 0.0, None
+    for _ in range(steps):
+        before = np.zeros((3, 3)) if state is None else state["tau"].astype(float)
+        state = deform(L, dt, 1, material=steel, spec=precision, state=state)
+        work += dt * 0.5 * np.sum((before + state["tau"]) * L)
+    plastic = work - np.sum(state["tau"].astype(float) ** 2) / (4.0 * law.G)
+    assert state["T"] - law.T0 == pytest.approx(law.chi * plastic / (steel.density * law.Cv), rel=2e-3)
+    assert state["T"] - law.T0 > 50.0
+    assert state["ep_rate"] == pytest.approx(2.0 * rate / math.sqrt(3.0), rel=2e-2)
+    assert state["rho"] == pytest.approx(steel.density, rel=1e-6)
+
+
+def test_stress_is_on_the_yield_surface_of_rate_and_temperature(precision, eps):
+    """q = Y(εp', ε̇, T) with the plastic strain and rate of the end of the step, the temperature of its start."""
+    steel, L = lib.get("steel-jc"), 1e5 * np.diag([1.0, -0.3, -0.2])
+    law = steel.strength
+    before = deform(L, 1e-8, 20, material=steel, spec=precision)
+    after = deform(L, 1e-8, 1, material=steel, spec=precision, state=before)
+    q = math.sqrt(1.5 * np.sum(after["tau"].astype(float) ** 2))
+    soft = 1.0 - (float(before["T"]) - law.T0) / (law.Tm - law.T0)
+    Y = (
+        (law.A + law.B * float(after["ep"]) ** law.n)
+        * (1.0 + law.C * math.log(float(after["ep_rate"])))
+        * soft
+    )
+    assert q == pytest.approx(Y, rel=100 * eps)
+
+
+def test_metal_yields_alike_in_a_rotated_frame(precision, eps):
+    """A rotation of the gradient rotates the stress and changes no invariant."""
+    turn, _ = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))
+    L = 1e5 * np.diag([1.0, -0.8, -0.4])
+    for name in ("steel-jc", "sic"):
+        plain, turned = (
+            deform(rate, 1e-7, 10, material=lib.get(name), spec=precision) for rate in (L, turn @ L @ turn.T)
+        )
+        size = np.abs(plain["tau"]).max() + 1e6
+        np.testing.assert_allclose(turned["tau"], turn @ plain["tau"] @ turn.T, atol=1e4 * eps * size)
+        for field in ("ep", "D", "T", "p"):
+            assert turned[field] == pytest.approx(plain[field], rel=1e4 * eps)
+
+
+def test_plane_stress_holds_for_a_rate_dependent_metal():
+    """Thickness found with the pressure of the same trial; σ_zz vanishes while Johnson-Cook aluminium flows."""
+    state = deform(
+        1e4 * uniaxial(0.45), 1e-8, 300, dim=2, plane_stress=True, material=lib.get("aluminium-jc")
+    )
+    assert state["ep"] > 0.01 and abs(state["sig"][2, 2]) < 1e-6 * state["sig"][0, 0]
+
+
+@pytest.mark.parametrize("name", ["steel-jc", "aluminium-jc", "sic"])
+def test_a_state_that_is_not_a_number_stays_one(name):
+    """No law hides it, and no iteration hangs on it."""
+    state = deform(np.full((3, 3), np.nan), 1e-8, 1, material=lib.get(name))
+    assert np.isnan(state["rho"]) and np.isnan(state["cl"])

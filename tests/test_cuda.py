@@ -18,18 +18,22 @@ def cuda():
     return "cuda:0"
 
 
-@pytest.mark.parametrize("dim", [1, 2, 3])
+@pytest.mark.parametrize(
+    ("dim", "scheme"), [(1, "sav1"), (2, "sav1"), (3, "sav1"), (2, "pm"), (2, "ts2"), (3, "ts2-mixed")]
+)
 @pytest.mark.parametrize("real", REALS)
-def test_same_physics(cuda, dim, real):
+def test_same_physics(cuda, dim, scheme, real):
     """Sums are taken in another order: after a few dozen steps the states still agree to many digits."""
-    here, there = (run(collision(dim), 2e-6, precision=real, **where) for where in ({}, {"device": cuda}))
+    here, there = (
+        run(collision(dim, scheme=scheme), 2e-6, precision=real, **where) for where in ({}, {"device": cuda})
+    )
     tolerance = {"float64": 1e-9, "float32": 2e-3}[real]
     for name in ("x", "v", "rho", "p"):
         a, b = by_id(here, name), by_id(there, name)
         np.testing.assert_allclose(b, a, atol=tolerance * np.abs(a).max(), rtol=0, err_msg=name)
 
 
-@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("scheme", [name for name, settings in SCHEMES.items() if settings.exact_energy])
 def test_energy_and_momentum(cuda, scheme):
     solver = run(collision(2, scheme=scheme), 0.0, device=cuda)
     before = solver.ledger()
@@ -40,7 +44,8 @@ def test_energy_and_momentum(cuda, scheme):
     assert after["momentum_x"] == pytest.approx(before["momentum_x"], rel=1e-13)
 
 
-def test_twice_the_same_bits(cuda):
-    first, second = (run(collision(3), 2e-6, device=cuda).particles.arrays() for _ in range(2))
+@pytest.mark.parametrize("scheme", ["sav1", "pm", "ts2"])
+def test_twice_the_same_bits(cuda, scheme):
+    first, second = (run(collision(3, scheme=scheme), 2e-6, device=cuda).particles.arrays() for _ in range(2))
     for name, values in first.items():
         np.testing.assert_array_equal(values, second[name], err_msg=name)

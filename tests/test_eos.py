@@ -164,3 +164,26 @@ def test_cold_gas_is_in_range(precision):
 def test_not_a_number_is_not_hidden(name, precision):
     p, _, _ = evaluate(precision, MATERIALS[name], [math.nan], [0.0])
     assert math.isnan(p[0])
+
+
+@pytest.mark.parametrize("name", SOLIDS)
+def test_shock_slope_is_that_of_a_weak_shock(name):
+    """A = (Us - c)/u on the Hugoniot of the device's own law, extrapolated to no strength."""
+    material = MATERIALS[name]
+    rho0, slopes = material.density, []
+    for zeta in (2e-3, 1e-3):
+        rho, e = rho0 * (1.0 + zeta), 0.0
+        lost = 1.0 / rho0 - 1.0 / rho
+        for _ in range(20):
+            p = evaluate(DOUBLE, material, [rho], [e])[0][0]
+            e = 0.5 * p * lost
+        Us, u = math.sqrt(p / lost) / rho0, math.sqrt(p * lost)
+        slopes.append((Us - material.bulk_speed) / u)
+    assert 2.0 * slopes[1] - slopes[0] == pytest.approx(material.eos.shock_slope(rho0), rel=1e-4)
+
+
+def test_shock_slope_of_a_cold_gas_is_exact():
+    gas, u = MATERIALS["gas"], 100.0
+    Us = gas.eos.shock_slope(gas.density) * u
+    p = evaluate(DOUBLE, gas, [gas.density * Us / (Us - u)], [0.5 * u * u])[0][0]
+    assert p == pytest.approx(gas.density * Us * u)

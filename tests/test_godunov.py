@@ -147,8 +147,8 @@ def superbee(r):
     return max(0.0, min(2.0 * r, 1.0), min(r, 2.0))
 
 
-def reference_ts(s, m, L, dt, order):
-    """v', e' and ρ' after both stages of section 10; L is the velocity gradient of the reconstruction."""
+def reference_ts(s, m, dt, order):
+    """v', e' and ρ' after both stages of section 10, and L of the velocity between them."""
     n, rho, x = len(m), s["rho"], s["x"]
     A, B, grads = np.zeros((n, 3)), np.zeros(n), {"p": np.zeros((n, 3)), "rho": np.zeros((n, 3))}
     for a, b, e, _, dW in pairs(x):
@@ -162,6 +162,9 @@ def reference_ts(s, m, L, dt, order):
         return v + dt * A, u + dt * (B - np.sum(A * (v + 0.5 * dt * A), axis=1))
 
     v, u = kick(s["v"], s["e"])
+    L = np.zeros((n, 3, 3))
+    for a, b, e, _, dW in pairs(x):
+        L[a] += m[b] / rho[b] * np.outer(v[b] - v[a], dW * e)
     A, B, div = np.zeros((n, 3)), np.zeros(n), np.zeros(n)
     for a, b, e, r, dW in pairs(x):
         states = {}
@@ -183,7 +186,7 @@ def reference_ts(s, m, L, dt, order):
         B[a] += f @ e * u_star
         div[a] += 2.0 * m[b] / rho[b] * (u_star - v[a] @ e) * dW
     v, u = kick(v, u)
-    return v, u, rho * np.exp(-dt * div)
+    return v, u, rho * np.exp(-dt * div), L
 
 
 def assert_close(found, expected, tolerance, message=""):
@@ -209,14 +212,13 @@ def test_parshikov_medin_equals_its_equations(dim, precision):
 @pytest.mark.parametrize("order", [1, 2])
 def test_the_time_split_equals_its_equations(dim, precision, order):
     fields, fluid = random_state(dim)
-    fields["dvdx"] = np.zeros((len(fluid), 3, 3))
-    fields["dvdx"][:, :dim, :dim] = np.random.default_rng(7).normal(size=(len(fluid), dim, dim)) * 1e5
-    solver = solver_of(dim, f"ts{order}", fields, fluid, precision)
-    v, e, rho = reference_ts(fields, of(solver, "m"), fields["dvdx"], STABLE, order)
+    solver = solver_of(dim, f"ts{order}", fields, fluid, precision, limiter="superbee")
+    v, e, rho, L = reference_ts(fields, of(solver, "m"), STABLE, order)
     step(solver, STABLE)
     assert_close(of(solver, "v"), v, 500 * EPS[precision], "v")
     assert_close(of(solver, "e") - fields["e"], e - fields["e"], 500 * EPS[precision], "e")
     assert_close(of(solver, "rho"), rho, 100 * EPS[precision], "rho")
+    assert_close(of(solver, "dvdx"), L, 100 * EPS[precision], "dvdx")
     mean = fields["x"] + 0.5 * STABLE * (fields["v"] + v)
     assert_close(of(solver, "x"), mean, 10 * EPS[precision], "x")
 
@@ -274,11 +276,9 @@ def turn(dim):
 @pytest.mark.parametrize("scheme", FAMILIES)
 def test_a_rotated_problem_has_the_rotated_solution(dim, scheme):
     fields, fluid = random_state(dim)
-    fields["dvdx"] = np.zeros((len(fluid), 3, 3))
-    fields["dvdx"][:, :dim, :dim] = np.random.default_rng(7).normal(size=(len(fluid), dim, dim)) * 1e5
     Q = turn(dim)
     rotated = {name: values @ Q.T if values.ndim == 2 else values for name, values in fields.items()}
-    rotated |= {name: Q @ fields[name] @ Q.T for name in ("tau", "dvdx")}
+    rotated["tau"] = Q @ fields["tau"] @ Q.T
     straight, turned = (step(solver_of(dim, scheme, f, fluid), STABLE) for f in (fields, rotated))
     for name in ("v", "e", "rho", "dvdx", "tau", "ep"):
         expected = of(straight, name)
@@ -346,7 +346,6 @@ def test_linear_fields_are_reconstructed_exactly(dim, precision, monkeypatch):
         scheme = unlimited(monkeypatch, int(name[-1]))
         options = {"limiter": limiter, "limit_jump": jump}
         flow = probe(solver_of(dim, scheme, moving, precision=precision, **options), tiny)
-        flow = probe(flow, tiny)  # the slope of v is that of the last step
         np.testing.assert_allclose(of(flow, "div"), np.trace(L), atol=3e3 * eps * rate)
         push = np.abs(of(flow, "dvdt")).max()
         dissipation = C * rate
@@ -358,20 +357,15 @@ def test_linear_fields_are_reconstructed_exactly(dim, precision, monkeypatch):
             assert push < 3e3 * eps * dissipation and div < 3e3 * eps * driven
 
 
-@pytest.mark.parametrize("kind", ["failed", "level"])
-def test_second_order_becomes_first_where_it_has_no_slopes(kind):
-    """Failed particles are not reconstructed; slopes of zero reconstruct nothing."""
+def test_failed_particles_are_not_reconstructed():
     fields, fluid = random_state(2)
-    n = len(fluid)
-    fields["dvdx"] = np.zeros((n, 3, 3))
-    if kind == "failed":
-        fields["D"] = np.ones(n)
-        fields["dvdx"][:, :2, :2] = np.random.default_rng(7).normal(size=(n, 2, 2)) * 1e5
-    else:
-        fields["p"], fields["rho"] = np.full(n, -1e8), np.full(n, DENSITY)
+    fields["D"] = np.ones(len(fluid))
     first, second = (step(solver_of(2, scheme, fields, fluid), STABLE) for scheme in ("ts1", "ts2"))
     for name in ("v", "e", "rho"):
         assert_close(of(second, name), of(first, name), 1e-14, name)
+    fields["D"][:] = 0.99
+    whole = step(solver_of(2, "ts2", fields, fluid), STABLE)
+    assert np.abs(of(whole, "v") - of(first, "v")).max() > 1.0
 
 
 # --- one pair, whose interface state can be read off its force
@@ -428,15 +422,17 @@ def test_a_fluid_passes_no_shear_on(scheme, materials):
 @pytest.mark.parametrize("scheme", ALL)
 @pytest.mark.parametrize("damage", [(1.0, 1.0), (1.0, 0.3)])
 def test_failed_pairs_carry_no_tension(scheme, damage):
-    """Pulled apart: no force and no work; pushed together they resist."""
+    """Pulled apart, a failed ceramic: no force and no work; an intact one and a metal hold; pushed together all resist."""
     e, damage, speed = np.array(DIRECTION[2]), np.array(damage), 50.0
+    ceramic = (lib.get("sic"), lib.get("sic"))
     parting, rounding = [-speed * e, speed * e], 1e-15 * speed * CL / H
     for p in (0.0, -1e8):
-        torn = pair(2, scheme, parting, D=damage, p=np.full(2, p))
+        torn = pair(2, scheme, parting, materials=ceramic, D=damage, p=np.full(2, p))
         assert np.abs(of(torn, "dvdt")).max() < rounding and np.abs(of(torn, "dedt")).max() < rounding * speed
-    whole = of(pair(2, scheme, parting, D=np.array([0.9, 0.3])), "dvdt") @ e
-    assert whole[0] > 1e9 * rounding and whole[1] < -1e9 * rounding, "they hold each other back"
-    met = pair(2, scheme, [speed * e, -speed * e], D=damage)
+    for materials, D in ((ceramic, np.array([0.9, 0.3])), ((ELASTIC, ELASTIC), damage)):
+        whole = of(pair(2, scheme, parting, materials=materials, D=D), "dvdt") @ e
+        assert whole[0] > 1e9 * rounding and whole[1] < -1e9 * rounding, "they hold each other back"
+    met = pair(2, scheme, [speed * e, -speed * e], materials=ceramic, D=damage)
     force = of(met, "dvdt") @ e
     assert force[0] < -1e9 * rounding and force[1] > 1e9 * rounding and of(met, "dedt").sum() > 0.0
 

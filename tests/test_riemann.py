@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import warp as wp
 
+from warpsph import materials as lib
 from warpsph.kernels.interface import make_interface
 from warpsph.kernels.riemann import SOLVERS, make_riemann, make_riemann_state
 from warpsph.kernels.spec import Spec
@@ -260,6 +261,25 @@ def test_shocks_of_cold_gas_are_exact(precision, eps):
     for left, right in ((side[0], side[0]), (side[1], side[0])):  # at rest to each other, and receding
         u, p = star(precision, "two-shock", left, right)
         assert np.isfinite(u) and np.isfinite(p) and p[0] <= 0.0
+
+
+@pytest.mark.parametrize(
+    "eos",
+    [
+        lib.IsothermalMieGrueneisen(c0=5000.0, S1=0.0),
+        lib.ShockMieGrueneisen(c0=5000.0, S1=0.0, Gamma0=2.0),
+        lib.Polynomial(k1=7e10, k2=-2e11),
+    ],
+)
+def test_a_material_that_does_not_stiffen_is_acoustic(eos, precision):
+    """A shock slope of 0 or less has no vertex: it is held just above."""
+    row = lib.pack([lib.Material("soft", 2700.0, eos, lib.Fluid())], precision, "cpu").numpy()
+    A = float(row["A_shock"][0])
+    assert 0.0 < A < 0.01
+    for speed in (10.0, -10.0):
+        pair = [np.array([s * speed, 1e9, 2700.0, 5000.0, A]) for s in (1.0, -1.0)]
+        found, weak = (star(precision, name, *pair) for name in ("two-shock", "acoustic"))
+        np.testing.assert_allclose(found[1], weak[1], rtol=1e-4)
 
 
 @pytest.mark.parametrize(("bears", "lowest"), [(True, -np.inf), (False, 0.0)])

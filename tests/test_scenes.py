@@ -7,7 +7,7 @@ from tools import by_id
 from warpsph import library
 from warpsph.solver import Solver
 
-COARSE = {"spacing": 4.0, "particles": 0.25}
+COARSE = {"spacing": 4.0, "particles": 0.2}
 """Factors on the parameters that set the resolution."""
 
 

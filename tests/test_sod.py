@@ -7,6 +7,7 @@ import pytest
 from tools import by_id
 
 from warpsph import library
+from warpsph.balance import energy
 from warpsph.scenes import sod
 from warpsph.solver import Solver
 
@@ -54,3 +55,35 @@ def test_the_waves_are_where_they_should_be():
     assert front == pytest.approx(1.75216 * 0.2, abs=0.01)
     walls = np.abs(solver.data.x[:, 0]) > 0.5
     np.testing.assert_array_equal(v[walls], 0.0)
+
+
+def test_the_strip_in_two_dimensions_is_the_tube():
+    """Errors of the rows near the plane of symmetry are those in 1D, and nothing moves across the tube there."""
+    for scheme in ("sav1", "ts2"):
+        tube, strip = errors(100, scheme=scheme)[0], errors(100, scheme=scheme, dim=2)
+        np.testing.assert_allclose(strip[0], tube, rtol=0.3)
+        state = strip[1].state()
+        inner = state.x[:, 1] < 0.5 * sod.ROWS * state.spacing
+        assert np.abs(state.v[inner, 1]).max() < 0.02
+
+
+@pytest.mark.parametrize("precision", ["float64", "float32"])
+@pytest.mark.parametrize(
+    ("scheme", "bounds"),
+    [
+        ("av", (0.017, 0.05, 0.02)),
+        ("pm", (0.03, 0.07, 0.03)),
+        ("ts1", (0.045, 0.09, 0.042)),
+        ("ts2", (0.012, 0.04, 0.013)),
+        ("ts2-mixed", (0.013, 0.033, 0.015)),
+    ],
+)
+def test_the_schemes_of_second_order_are_ahead_in_a_coarse_tube(scheme, bounds, precision):
+    """Bounds guard what is reached: v* in the continuity equation costs the schemes of first order their density."""
+    solver = Solver(library.load("sod").build(particles=100, scheme=scheme).finalize(), precision=precision)
+    before = energy(solver.ledger())
+    solver.advance(solver.data.until)
+    state = solver.state()
+    found = [measure.function(state) for measure in solver.data.measures.values()]
+    assert (np.array(found) < bounds).all(), found
+    assert energy(solver.ledger()) == pytest.approx(before, rel=1e-12 if precision == "float64" else 1e-5)

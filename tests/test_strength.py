@@ -41,7 +41,7 @@ def sampler(spec):
         tau: wp.array[mat], d_ep: wp.array[real], flow: wp.array[real], dT: wp.array[real],
     ):  # fmt: skip
         i = wp.tid()
-        tau_i, d_ep_i = trial[i], real(0.0)
+        tau_i, d_ep_i = mat(trial[i]), real(0.0)
         if table[0].strength < first:
             tau_i, d_ep_i = linear_return(table[0], trial[i], ep[i])
         else:

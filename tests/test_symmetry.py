@@ -33,7 +33,7 @@ def quarter(cut, scheme):
 
 
 @pytest.mark.parametrize(("build", "corner"), [(half, (-1.0, 0.0)), (quarter, (0.0, 0.0))])
-@pytest.mark.parametrize("scheme", ["sav1", "bal-mixed-as"])
+@pytest.mark.parametrize("scheme", ["sav1", "bal-mixed-as", "pm-mixed", "ts2", "ts2-mixed"])
 def test_part_of_a_problem_is_the_whole(build, corner, scheme):
     whole, part = (run(build(cut, scheme), 2e-6) for cut in (False, True))
     assert whole.reading.steps == part.reading.steps > 10

@@ -77,7 +77,7 @@ def _library() -> dict[str, Material]:
                 G=plate_G, A=479e6, B=323e6, n=0.410, C=0.101, m=1.80, rate0=1.0, T0=300.0, Tm=850.0, Cv=875.0
             ),
             pressure_cutoff=-800e6, damage=JohnsonCookDamage(D1=0.45, D2=0.0, D3=0.0, D4=0.0138, D5=0.0),
-            source=f"{young}, section 3.3: E 70 GPa, nu 0.33; C as printed (0.01 is usual); χ 0.9 (1 in the paper)",
+            source=f"{young}, section 3.3: E 70 GPa, nu 0.33; C as printed (0.01 is usual); χ 0.9 (not given)",
         ),
         Material(
             "steel-jc", 7903.0, ShockMieGrueneisen(c0=4552.0, S1=1.4933, Gamma0=2.2),

@@ -142,6 +142,9 @@ _SPEED_FLOOR = 1e-3
 _GAS_SPEED_FLOOR = 1e-6
 """Floor of the sound speed of a gas [m/s]: small against anything that moves, so a cold gas stays cold."""
 
+_SHOCK_SLOPE_FLOOR = 1e-3
+"""Floor of the slope of the shock velocity: without any the two-shock solver has no vertex; as good as acoustic."""
+
 
 def pack(materials: Sequence[Material], spec: Spec, device: object = None) -> wp.array:
     """Upload the material table.
@@ -166,8 +169,16 @@ def _row(row: type, material: Material) -> Any:
     if isinstance(material.eos, IdealGas):
         out.p_min = max(material.pressure_cutoff, 0.0)  # a gas bears no tension
     out.c_min = _SPEED_FLOOR * material.bulk_speed or _GAS_SPEED_FLOOR
-    out.A_shock = material.eos.shock_slope(material.density)
+    out.D_tension = _tension_lost(material, out.p_min)
+    out.A_shock = max(material.eos.shock_slope(material.density), _SHOCK_SLOPE_FLOOR)
     for law in (material.eos, material.strength, material.damage):
         for name, value in (law.row if law is not None else {}).items():
             setattr(out, name, value)
     return out
+
+
+def _tension_lost(material: Material, p_min: float) -> float:
+    """Damage from which on the material bears no tension: a gas none at all, a ceramic until it fails, a metal always."""
+    if p_min >= 0.0:
+        return 0.0
+    return 1.0 if material.damage_id == DamageId.JOHNSON_HOLMQUIST_1 else math.inf

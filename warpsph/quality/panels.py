@@ -1,7 +1,6 @@
 """Pictures of validation cases: particles of several runs side by side, all with one colour range."""
 
 import io
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,9 +16,13 @@ from warpsph.storage import atomic
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.cm import ScalarMappable
+    from matplotlib.figure import Figure
 
 DPI = 100
 """Pixels per inch of the file."""
+
+SHADES = 96
+"""Colours of the bar: with those of the text they fit into a palette, and the file is a fraction as large."""
 
 MARGIN = {"left": 30, "right": 110, "top": 30, "bottom": 10, "gap": 8}
 """Room for names and colour bar, and between panels [pixels]."""
@@ -63,6 +66,7 @@ def draw_panels(panels: Panels, colouring: Colouring, path: Path) -> None:
     Raises:
         RunError: If the file cannot be written.
     """
+    import matplotlib
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
@@ -70,12 +74,13 @@ def draw_panels(panels: Panels, colouring: Colouring, path: Path) -> None:
     rows, columns = list(panels.states), list(next(iter(panels.states.values())))
     quantity = scalar(panels.states[rows[0]][columns[0]], colouring.field)
     factor, unit = units.scale(quantity.unit, max(map(abs, colouring.limits)))
-    mapping = ScalarMappable(Normalize(*(factor * value for value in colouring.limits)), colouring.cmap)
+    table = matplotlib.colormaps[colouring.cmap].resampled(SHADES)
+    mapping = ScalarMappable(Normalize(*(factor * value for value in colouring.limits)), table)
     across, up = np.ptp(panels.box, axis=0)
     size = np.array((panels.width, round(panels.width * up / across)))
     corner, step = np.array((MARGIN["left"], MARGIN["bottom"])), size + MARGIN["gap"]
     end = corner + step * (len(columns), len(rows))
-    pixels = end + (MARGIN["right"], MARGIN["top"])
+    pixels = end + np.array((MARGIN["right"], MARGIN["top"]))
     figure = Figure(figsize=pixels / DPI, dpi=DPI)
     for j, row in enumerate(reversed(rows)):
         for k, column in enumerate(columns):
@@ -91,9 +96,23 @@ def draw_panels(panels: Panels, colouring: Colouring, path: Path) -> None:
     place = (end[0] + 8, corner[1] + 0.1 * (end[1] - corner[1])) / pixels
     bar = figure.add_axes((*place, 14 / pixels[0], 0.8 * (end[1] - corner[1]) / pixels[1]))
     figure.colorbar(mapping, cax=bar, label=units.label(quantity.title, unit))
-    memory = io.BytesIO()
-    figure.savefig(memory, format="png")
-    atomic.write(path, memory.getbuffer())
+    _write(figure, path)
+
+
+def _write(figure: "Figure", path: Path) -> None:
+    """Write a figure with a palette.
+
+    Raises:
+        RunError: If the file cannot be written.
+    """
+    from PIL import Image
+
+    drawn, small = io.BytesIO(), io.BytesIO()
+    figure.savefig(drawn, format="png")
+    Image.open(drawn).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(
+        small, format="png", optimize=True
+    )
+    atomic.write(path, small.getbuffer())
 
 
 def _draw(axes: "Axes", state: State, colouring: Colouring, mapping: "ScalarMappable", factor: float) -> None:

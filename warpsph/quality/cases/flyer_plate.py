@@ -34,7 +34,7 @@ ERRORS = tuple(
 )
 PLATEAUS = (
     Figure("star_pressure", "P*", "GPa", 1e-9, ".3f", (8.78, 8.96)),
-    Figure("star_stress", "τ*", "GPa", 1e-9, ".3f", (-1.68, -1.62)),
+    Figure("star_stress", "τ*", "GPa", 1e-9, ".3f", (-1.70, -1.63)),
     Figure("overshoot_p", "overshoot", "%", 100.0, ".1f"),
     Figure("overshoot_front", "at the front", "%", 100.0, ".1f"),
 )
