@@ -14,8 +14,10 @@ from .tensor import make_tensor
 
 
 @functools.cache
-def make_godunov_pm(s: Spec, smoothing: Smoothing, riemann: str, corrected: bool, planes: bool) -> wp.Kernel:
-    """Build the pair loop."""
+def make_godunov_pm(
+    s: Spec, smoothing: Smoothing, riemann: str, fragile: bool, corrected: bool, planes: bool
+) -> wp.Kernel:
+    """Build the pair loop; ``fragile``: some material bears no tension, or none once it has failed."""
     real, vec, matrix = s.real, s.vec, s.mat
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     side, interface = make_interface(s, riemann)
@@ -25,7 +27,8 @@ def make_godunov_pm(s: Spec, smoothing: Smoothing, riemann: str, corrected: bool
     zero, half, one, two = real(0.0), real(0.5), real(1.0), real(2.0)
     shear_share = real(0.75)
     dim, on = s.dim, wp.constant(int(corrected))
-    options = (smoothing.name, riemann.replace("-", "_"), "corrected" * corrected, "planes" * planes)
+    flags = ("fragile" * fragile, "corrected" * corrected, "planes" * planes)
+    options = (smoothing.name, riemann.replace("-", "_"), *flags)
 
     @wp.func
     def shear_impedance(rho: real, cs: real, cl: real):
@@ -78,7 +81,9 @@ def make_godunov_pm(s: Spec, smoothing: Smoothing, riemann: str, corrected: bool
         rho_i, cl_i = rho[i], cl[i]
         Zt_i = shear_impedance(rho_i, cs[i], cl_i)
         A_i = materials[mat[i]].A_shock
-        bears_i = D[i] < materials[mat[i]].D_tension
+        bears_i = True
+        if wp.static(fragile):
+            bears_i = D[i] < materials[mat[i]].D_tension
         r_max2 = support * support * h * h
         # scalars, not vectors or matrices: the compiler keeps them in registers
         f_x, f_y, f_z, power, mu_max = real(0.0), real(0.0), real(0.0), real(0.0), real(0.0)
@@ -109,7 +114,9 @@ def make_godunov_pm(s: Spec, smoothing: Smoothing, riemann: str, corrected: bool
                 mu_max = wp.max(mu_max, u_j - u_i)
                 left = side(u_j, p_j, rho[j], cl[j], materials[mat[j]].A_shock)
                 right = side(u_i, p_i, rho_i, cl_i, A_i)
-                bears = bears_i and D[j] < materials[mat[j]].D_tension
+                bears = bears_i
+                if wp.static(fragile):
+                    bears = bears and D[j] < materials[mat[j]].D_tension
                 u_star, p_star = interface(left, right, bears)
                 # the transverse vectors, by the acoustic solver; no traction between fluids, nor where the pair comes apart
                 Zt_j = shear_impedance(rho[j], cs[j], cl[j])

@@ -24,24 +24,24 @@ class Reconstruction:
         order: 1: the particles' own values; 2: linear reconstruction (MUSCL).
         limiter: Limiter of the slopes.
         jump: Slopes are bounded by the pair's own difference too.
+        fragile: Some material bears no tension, or none once it has failed.
     """
 
     riemann: str
     order: int
     limiter: str
     jump: bool
+    fragile: bool
 
     @property
     def tag(self) -> str:
         """Short name of the combination."""
         limiter = (self.limiter, "jump" * self.jump) if self.order == 2 else ()
-        return "_".join(filter(None, (self.riemann.replace("-", "_"), *limiter)))
+        return "_".join(filter(None, (self.riemann.replace("-", "_"), *limiter, "fragile" * self.fragile)))
 
 
 @functools.cache
-def make_deviatoric(
-    s: Spec, smoothing: Smoothing, order: int, corrected: bool, planes: bool
-) -> wp.Kernel:
+def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, planes: bool) -> wp.Kernel:
     """Build the loop of the first stage; for second order it also leaves the slopes of pressure and density."""
     real, vec, matrix = s.real, s.vec, s.mat
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
@@ -163,7 +163,7 @@ def make_hydrodynamic(
     w = smoothing.w
     dot, quadratic = tensor.dot, tensor.quadratic
     zero, half, one, two = real(0.0), real(0.5), real(1.0), real(2.0)
-    dim, on, second = s.dim, wp.constant(int(corrected)), states.order == 2
+    dim, on, second, fragile = s.dim, wp.constant(int(corrected)), states.order == 2, states.fragile
     options = ("hydrodynamic", smoothing.name, states.tag, "corrected" * corrected, "planes" * planes)
 
     @wp.kernel(module=s.module(__name__, "_".join(filter(None, options))))
@@ -218,7 +218,10 @@ def make_hydrodynamic(
         xi, vi = x[i], v[i]
         p_i, rho_i, cs_i = p[i], rho[i], cs[i]
         A_i = materials[mat[i]].A_shock
-        bears_i, whole_i = D[i] < materials[mat[i]].D_tension, D[i] < one
+        bears_i, whole_i = True, True
+        if wp.static(fragile):
+            lost_i = materials[mat[i]].D_tension
+            bears_i, whole_i = D[i] < lost_i, D[i] < wp.max(lost_i, one)
         if wp.static(second):
             L_i, grad_p_i, grad_rho_i = dvdx[i], grad_p[i], grad_rho[i]
             reach_i = cl[i] * step
@@ -236,8 +239,12 @@ def make_hydrodynamic(
             mu_max = wp.max(mu_max, u_j - u_i)
             left = side(u_j, p[j], rho[j], cs[j], materials[mat[j]].A_shock)
             right = side(u_i, p_i, rho_i, cs_i, A_i)
+            bears, whole = bears_i, whole_i
+            if wp.static(fragile):
+                lost_j = materials[mat[j]].D_tension
+                bears, whole = bears and D[j] < lost_j, whole and D[j] < wp.max(lost_j, one)
             if wp.static(second):
-                if whole_i and D[j] < one:
+                if whole:
                     # differences over the pair: slope times r
                     u_over = limited(
                         per_r * quadratic(L_i, xij),
@@ -260,7 +267,7 @@ def make_hydrodynamic(
                     if rho_l > zero and rho_r > zero:
                         left = side(u_j + to_j * u_over, p[j] + to_j * p_over, rho_l, cs[j], left.A)
                         right = side(u_i - to_i * u_over, p_i - to_i * p_over, rho_r, cs_i, A_i)
-            u_star, p_star = interface(left, right, bears_i and D[j] < materials[mat[j]].D_tension)
+            u_star, p_star = interface(left, right, bears)
             flux = -two * vol[j] * p_star
             if wp.static(corrected):
                 w_ij = w(r, h)

@@ -111,7 +111,9 @@ def _two_shock(real: type, State: type) -> wp.Function:
         Z_l, Z_r = left.rho * left.c, right.rho * right.c
         jump = left.u - right.u
         k0 = left.p - right.p + (Z_l + a * jump) * jump
-        k1 = Z_r + Z_l + two * a * jump  # (b - a) x² + k1 x = k0, for the root where the curves cross as they should
+        k1 = (
+            Z_r + Z_l + two * a * jump
+        )  # (b - a) x² + k1 x = k0, for the root where the curves cross as they should
         x = two * k0 / (k1 + wp.sqrt(k1 * k1 + four * (b - a) * k0))  # not a number where they do not
         y = jump - x
         p = half * ((right.p + (Z_r + b * x) * x) + (left.p + (Z_l + a * y) * y))

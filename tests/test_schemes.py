@@ -24,7 +24,7 @@ def bar(dim=1, material=ELASTIC, energy=0.0, **numerics):
 @pytest.mark.parametrize("name", SCHEMES)
 @pytest.mark.parametrize("planes", [False, True])
 def test_every_name_makes_a_scheme(name, planes):
-    made = make_family(DOUBLE[2], Numerics(scheme=name), planes)
+    made = make_family(DOUBLE[2], Numerics(scheme=name), planes, False)
     assert made.support == 2.0
     assert made.gradient_ratio == SCHEMES[name].gradient_ratio
 

@@ -109,6 +109,13 @@ class Material:
         return self.strength.T0 if isinstance(self.strength, JohnsonCook) else ROOM_TEMPERATURE
 
     @property
+    def tension_lost(self) -> float:
+        """Damage from which on it bears no tension: 0 for a gas, 1 for a ceramic, never (inf) for a metal."""
+        if isinstance(self.eos, IdealGas) or self.pressure_cutoff >= 0.0:
+            return 0.0
+        return 1.0 if self.damage_id == DamageId.JOHNSON_HOLMQUIST_1 else math.inf
+
+    @property
     def damage_id(self) -> DamageId:
         """The damage law on the device."""
         if isinstance(self.strength, JohnsonHolmquist1):
@@ -169,16 +176,9 @@ def _row(row: type, material: Material) -> Any:
     if isinstance(material.eos, IdealGas):
         out.p_min = max(material.pressure_cutoff, 0.0)  # a gas bears no tension
     out.c_min = _SPEED_FLOOR * material.bulk_speed or _GAS_SPEED_FLOOR
-    out.D_tension = _tension_lost(material, out.p_min)
+    out.D_tension = material.tension_lost
     out.A_shock = max(material.eos.shock_slope(material.density), _SHOCK_SLOPE_FLOOR)
     for law in (material.eos, material.strength, material.damage):
         for name, value in (law.row if law is not None else {}).items():
             setattr(out, name, value)
     return out
-
-
-def _tension_lost(material: Material, p_min: float) -> float:
-    """Damage from which on the material bears no tension: a gas none at all, a ceramic until it fails, a metal always."""
-    if p_min >= 0.0:
-        return 0.0
-    return 1.0 if material.damage_id == DamageId.JOHNSON_HOLMQUIST_1 else math.inf

@@ -1,5 +1,7 @@
 """From a scene to its scheme: the family's class, and what a scheme asks of a scene."""
 
+import math
+
 import numpy as np
 
 from warpsph.config import Numerics
@@ -21,16 +23,24 @@ def make_scheme(data: SceneData, spec: Spec) -> Scheme:
     """
     if isinstance(SCHEMES[data.numerics.scheme], GodunovSettings):
         _check_godunov(data)
-    return make_family(spec, data.numerics, bool(data.planes))
+    fragile = any(material.tension_lost < math.inf for material in data.materials)
+    return make_family(spec, data.numerics, bool(data.planes), fragile)
 
 
-def make_family(spec: Spec, numerics: Numerics, planes: bool) -> Scheme:
-    """Build the scheme of some numerical settings; ``planes`` tells whether there are symmetry planes."""
+def make_family(spec: Spec, numerics: Numerics, planes: bool, fragile: bool) -> Scheme:
+    """Build the scheme of some numerical settings.
+
+    Args:
+        spec: Specialisation.
+        numerics: Numerical settings.
+        planes: There are symmetry planes.
+        fragile: Some material bears no tension, or none once it has failed.
+    """
     settings = SCHEMES[numerics.scheme]
     if isinstance(settings, EulerianSettings):
         return Eulerian(settings, spec, numerics, planes)
     family = TimeSplit if settings.split else ParshikovMedin
-    return family(settings, spec, numerics, planes)
+    return family(settings, spec, numerics, planes, fragile)
 
 
 def _check_godunov(data: SceneData) -> None:

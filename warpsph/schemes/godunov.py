@@ -23,14 +23,16 @@ class Godunov(Scheme):
 class ParshikovMedin(Godunov):
     """All waves of a pair in one loop (`pm`; `con` of Young et al.)."""
 
-    def __init__(self, settings: GodunovSettings, spec: Spec, numerics: Numerics, planes: bool):
+    def __init__(
+        self, settings: GodunovSettings, spec: Spec, numerics: Numerics, planes: bool, fragile: bool
+    ):
         """Pick the kernels; nothing is compiled before the first launch."""
         s = settings
         super().__init__(
             spec, numerics, correction=s.correction, gradient_ratio=s.gradient_ratio,
             exact_energy=s.exact_energy, planes=planes,
         )  # fmt: skip
-        self._fluxes = make_godunov_pm(spec, self._smoothing, numerics.riemann, s.correction, planes)
+        self._fluxes = make_godunov_pm(spec, self._smoothing, numerics.riemann, fragile, s.correction, planes)
 
     def probe(self, bind: Bind) -> list[Command]:
         """Forces and approach speeds."""
@@ -51,7 +53,9 @@ class ParshikovMedin(Godunov):
 class TimeSplit(Godunov):
     """Deviatoric and hydrodynamic stages, one after the other (`ts1`, `ts2`)."""
 
-    def __init__(self, settings: GodunovSettings, spec: Spec, numerics: Numerics, planes: bool):
+    def __init__(
+        self, settings: GodunovSettings, spec: Spec, numerics: Numerics, planes: bool, fragile: bool
+    ):
         """Pick the kernels; nothing is compiled before the first launch."""
         s = settings
         super().__init__(
@@ -59,7 +63,7 @@ class TimeSplit(Godunov):
         )  # fmt: skip
         self.limiter_beta = numerics.limiter_beta
         self._second = s.order == 2
-        states = Reconstruction(numerics.riemann, s.order, numerics.limiter, numerics.limit_jump)
+        states = Reconstruction(numerics.riemann, s.order, numerics.limiter, numerics.limit_jump, fragile)
         self._deviatoric = make_deviatoric(spec, self._smoothing, s.order, s.correction, planes)
         self._hydrodynamic = make_hydrodynamic(spec, self._smoothing, states, s.correction, planes)
         self._velocity_gradient = make_kinematics(spec, self._smoothing, s.correction, planes)
