@@ -16,9 +16,6 @@ from .tensor import make_tensor
 CONDITION = 1.0e-3
 """Smallest det(M)/|M|^d of the moment matrix that is inverted; a worse one falls back to the plain gradient."""
 
-AXIS_SHARE = 1.0e-2
-"""Components of a pair's separation below this share of h are left out of the limiter's comparison."""
-
 
 @functools.cache
 def make_correction(s: Spec, smoothing: Smoothing, planes: bool) -> wp.Kernel:
@@ -103,7 +100,6 @@ def make_gradient(s: Spec, corrected: bool) -> wp.Function:
     """Build g_ab(xij, dw, w, K, G, h, limit): corrected and limited, or the plain ∇W = dw xij."""
     real, vec, mat = s.real, s.vec, s.mat
     tensor = make_tensor(s)
-    share = real(AXIS_SHARE)
 
     if not corrected:
 
@@ -115,15 +111,16 @@ def make_gradient(s: Spec, corrected: bool) -> wp.Function:
 
     @wp.func
     def of_pair(xij: vec, dw: real, w_ij: real, K: mat, G: vec, h: real, limit: real):
-        """K (∇W - G W), or ∇W where a component's ratio leaves [1/limit, limit] (paper A 3.2)."""
+        """K (∇W - G W), or ∇W where the ratio leaves [1/limit, limit]: along ∇W at least, in size at most.
+
+        Paper A 3.2 compares component by component. That depends on the axes: pairs nearly along one of them lose
+        the correction to a small cross component, and a ring breaks along the axes.
+        """
         plain = dw * xij
         g = tensor.product(K, plain - w_ij * G)
-        for c in range(wp.static(s.dim)):
-            if wp.abs(xij[c]) > share * h:
-                ratio = g[c] * plain[c]
-                square = plain[c] * plain[c]
-                if ratio > limit * square or ratio * limit < square:
-                    g = plain
+        along, square, size = tensor.dot(g, plain), tensor.dot(plain, plain), tensor.dot(g, g)
+        if along * limit < square or size > limit * limit * square:
+            g = plain
         return g
 
     return of_pair

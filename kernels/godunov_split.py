@@ -166,12 +166,19 @@ def make_hydrodynamic(
     dim, on, second, fragile = s.dim, wp.constant(int(corrected)), states.order == 2, states.fragile
     options = ("hydrodynamic", smoothing.name, states.tag, "corrected" * corrected, "planes" * planes)
 
+    @wp.func
+    def of_volume(u_over: real, dilation: real):
+        """Part of a pair's velocity difference that changes the volume: sound brings it, and no more than that."""
+        low = wp.where(wp.abs(u_over) < wp.abs(dilation), u_over, dilation)
+        return wp.where(u_over * dilation > zero, low, zero)
+
     @wp.kernel(module=s.module(__name__, "_".join(filter(None, options))))
     def hydrodynamic(
         offset: wp.int32,
         # in:
         x: wp.array[vec],
         v: wp.array[vec],
+        v_start: wp.array[vec],
         m: wp.array[real],
         rho: wp.array[real],
         vol: wp.array[real],
@@ -205,8 +212,11 @@ def make_hydrodynamic(
 
         f_ab = -2 V_a V_b p* q_ab, q_ab = (g_ab - g_ba)/2; v* = u* along e, the direction from b to a, and the pair's
         mean across it, which does no work without correction (section 10, stage 2; Connolly et al. 2013, Eqs. 22 and
-        34). Second order: the states lie (r/2)(1 - c_l dt/r) off the particles on the limited slope (Eqs. 23-27). dvdx
-        is that of v, the velocity after the first stage.
+        34). The Riemann problems know v_start, the velocity before the first stage: at a free surface p is not 0 but
+        balances τ, and what the first stage alone does to v is no jump. The power is that on v, which this stage kicks.
+        Second order: the states lie (r/2)(1 - c_l dt/r) off the particles on the limited slope (Eqs. 23-27), but that
+        of u at r/2, less the share c_l dt/r of what of its slope is div v: sound that arrives within dt carries no
+        shear, and a viscosity of order rho c_l^2 dt would stop a shear flow. dvdx is that of v_start.
         mu = largest approach speed [m/s].
         """
         i = wp.tid() + offset
@@ -215,7 +225,7 @@ def make_hydrodynamic(
             return
         first = start[i]
         own = i * on  # K and G are one long where there is no correction
-        xi, vi = x[i], v[i]
+        xi, vi, kicked_i = x[i], v_start[i], v[i]
         p_i, rho_i, cs_i = p[i], rho[i], cs[i]
         A_i = materials[mat[i]].A_shock
         bears_i, whole_i = True, True
@@ -231,7 +241,7 @@ def make_hydrodynamic(
             j = mirror.index(near[k])
             sign = mirror.sign(near[k])
             xij = xi - mirror.point(x[j], sign, plane)
-            vj = mirror.vector(v[j], sign)
+            vj = mirror.vector(v_start[j], sign)
             r = wp.sqrt(dot(xij, xij))
             per_r = one / r
             e = per_r * xij
@@ -261,12 +271,15 @@ def make_hydrodynamic(
                         rho_i - rho[j],
                         limiter_beta,
                     )
-                    to_i = half * wp.max(one - reach_i * per_r, zero)
-                    to_j = half * wp.max(one - step * cl[j] * per_r, zero)
+                    swept_i, swept_j = wp.min(reach_i * per_r, one), wp.min(step * cl[j] * per_r, one)
+                    to_i, to_j = half * (one - swept_i), half * (one - swept_j)
                     rho_l, rho_r = rho[j] + to_j * rho_over, rho_i - to_i * rho_over
                     if rho_l > zero and rho_r > zero:
-                        left = side(u_j + to_j * u_over, p[j] + to_j * p_over, rho_l, cs[j], left.A)
-                        right = side(u_i - to_i * u_over, p_i - to_i * p_over, rho_r, cs_i, A_i)
+                        sound = of_volume(u_over, half * r * (wp.trace(L_i) + wp.trace(dvdx[j])))
+                        u_l = u_j + half * (u_over - swept_j * sound)
+                        u_r = u_i - half * (u_over - swept_i * sound)
+                        left = side(u_l, p[j] + to_j * p_over, rho_l, cs[j], left.A)
+                        right = side(u_r, p_i - to_i * p_over, rho_r, cs_i, A_i)
             u_star, p_star = interface(left, right, bears)
             flux = -two * vol[j] * p_star
             if wp.static(corrected):
@@ -276,16 +289,18 @@ def make_hydrodynamic(
                 K_j, G_j = mirror.tensor(K[other], sign), mirror.vector(G[other], sign)
                 q = half * (g_ij - of_pair(-xij, slope[k], w_ij, K_j, G_j, h, gradient_ratio))
                 dv = half * (vj - vi) + (u_star - half * (u_i + u_j)) * e
+                kicked_j = mirror.vector(v[j], sign)
+                dv_kicked = half * (kicked_j - kicked_i) + (u_star - half * dot(kicked_i + kicked_j, e)) * e
                 rate += two * vol[j] * dot(dv, g_ij)
-                power += flux * dot(dv, q)
+                power += flux * dot(dv_kicked, q)
                 f = flux * q
                 f_x += f[0]
                 f_y += f[1]
                 f_z += f[2]
             else:
-                du = (u_star - u_i) * (slope[k] * r)
-                rate += two * vol[j] * du
-                power += flux * du
+                dw = slope[k] * r
+                rate += two * vol[j] * (u_star - u_i) * dw
+                power += flux * (u_star - dot(kicked_i, e)) * dw
                 f = (flux * slope[k]) * xij
                 f_x += f[0]
                 if wp.static(dim > 1):

@@ -148,7 +148,7 @@ def superbee(r):
 
 
 def reference_ts(s, m, dt, order):
-    """v', e' and ρ' after both stages of section 10, and L of the velocity between them."""
+    """v', e' and ρ' after both stages of section 10, with Riemann problems on v before them, and L of v'."""
     n, rho, x = len(m), s["rho"], s["x"]
     A, B, grads = np.zeros((n, 3)), np.zeros(n), {"p": np.zeros((n, 3)), "rho": np.zeros((n, 3))}
     for a, b, e, _, dW in pairs(x):
@@ -161,15 +161,19 @@ def reference_ts(s, m, dt, order):
     def kick(v, u):
         return v + dt * A, u + dt * (B - np.sum(A * (v + 0.5 * dt * A), axis=1))
 
+    def gradient(v):
+        L = np.zeros((n, 3, 3))
+        for a, b, e, _, dW in pairs(x):
+            L[a] += m[b] / rho[b] * np.outer(v[b] - v[a], dW * e)
+        return L
+
     v, u = kick(s["v"], s["e"])
-    L = np.zeros((n, 3, 3))
-    for a, b, e, _, dW in pairs(x):
-        L[a] += m[b] / rho[b] * np.outer(v[b] - v[a], dW * e)
+    L = gradient(s["v"])
     A, B, div = np.zeros((n, 3)), np.zeros(n), np.zeros(n)
     for a, b, e, r, dW in pairs(x):
         states = {}
         for i, sign in ((b, 1.0), (a, -1.0)):
-            values = {"u": v[i] @ e, "p": s["p"][i], "rho": rho[i]}
+            values = {"u": s["v"][i] @ e, "p": s["p"][i], "rho": rho[i]}
             if order == 2:
                 slopes = [
                     {"u": e @ L[k] @ e, "p": grads["p"][k] @ e, "rho": grads["rho"][k] @ e}
@@ -178,15 +182,20 @@ def reference_ts(s, m, dt, order):
                 for name in values:
                     own, other = slopes[0][name], slopes[1][name]
                     phi = superbee(other / own) if own != 0.0 else 0.0
-                    values[name] += sign * 0.5 * r * phi * own * (1.0 - s["cl"][i] * dt / r)
+                    over, swept = r * phi * own, s["cl"][i] * dt / r
+                    arrives = over
+                    if name == "u":  # only what changes the volume
+                        dilation = 0.5 * r * (np.trace(L[a]) + np.trace(L[b]))
+                        arrives = np.clip(dilation, min(over, 0.0), max(over, 0.0))
+                    values[name] += sign * 0.5 * (over - swept * arrives)
             states[i] = (values["rho"] * s["cs"][i], values["u"], -values["p"])
         u_star, s_star = acoustic(*states[b], *states[a])
         f = 2.0 * m[b] / (rho[a] * rho[b]) * s_star * dW * e
         A[a] += f
         B[a] += f @ e * u_star
-        div[a] += 2.0 * m[b] / rho[b] * (u_star - v[a] @ e) * dW
+        div[a] += 2.0 * m[b] / rho[b] * (u_star - s["v"][a] @ e) * dW
     v, u = kick(v, u)
-    return v, u, rho * np.exp(-dt * div), L
+    return v, u, rho * np.exp(-dt * div), gradient(v)
 
 
 def assert_close(found, expected, tolerance, message=""):
@@ -214,7 +223,7 @@ def test_the_time_split_equals_its_equations(dim, precision, order):
     fields, fluid = random_state(dim)
     solver = solver_of(dim, f"ts{order}", fields, fluid, precision, limiter="superbee")
     v, e, rho, L = reference_ts(fields, of(solver, "m"), STABLE, order)
-    step(solver, STABLE)
+    step(probe(solver, STABLE), STABLE)  # the slope of v is left by the step before
     assert_close(of(solver, "v"), v, 500 * EPS[precision], "v")
     assert_close(of(solver, "e") - fields["e"], e - fields["e"], 500 * EPS[precision], "e")
     assert_close(of(solver, "rho"), rho, 100 * EPS[precision], "rho")
@@ -358,16 +367,14 @@ def test_linear_fields_are_reconstructed_exactly(dim, precision, monkeypatch):
 
 
 def test_failed_particles_are_not_reconstructed():
-    fields, fluid = random_state(2)
-    fields["D"] = np.ones(len(fluid))
+    fields, _ = random_state(2)
+    fields["D"] = np.ones(len(fields["x"]))
     ceramic = {"first": lib.get("sic")}
-    first, second = (
-        step(solver_of(2, scheme, fields, fluid, **ceramic), STABLE) for scheme in ("ts1", "ts2")
-    )
+    first, second = (step(solver_of(2, scheme, fields, **ceramic), STABLE) for scheme in ("ts1", "ts2"))
     for name in ("v", "e", "rho"):
         assert_close(of(second, name), of(first, name), 1e-14, name)
     fields["D"][:] = 0.99
-    whole = step(solver_of(2, "ts2", fields, fluid, **ceramic), STABLE)
+    whole = step(solver_of(2, "ts2", fields, **ceramic), STABLE)
     assert np.abs(of(whole, "v") - of(first, "v")).max() > 1.0
 
 

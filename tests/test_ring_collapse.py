@@ -89,3 +89,14 @@ def test_a_ring_of_equal_spokes_keeps_its_symmetry():
     solver, found = measured(25e-6, scheme="ts2", particles=600, lattice="spokes")
     assert found["ring_spread_max"] < 1e-9 * solver.data.spacing
     assert found["ring_shift_max"] < 1e-9 * solver.data.spacing
+
+
+def test_a_coarse_ring_stops_where_it_should():
+    """A shear flow with free surfaces: it stops too early if sound within the step is mistaken for shear.
+
+    Reference: a one-dimensional elastic-plastic computation, at rest on average at 50.02 and 78.13 mm.
+    """
+    solver, found = measured(ring.UNTIL, particles=2000, lattice="spokes", shear_modulus="literature")
+    assert found["inner_radius"] == pytest.approx(0.05002, rel=0.01)
+    assert found["outer_radius"] == pytest.approx(0.07813, rel=0.005)
+    assert found["ring_spread_max"] < 0.25 * solver.data.spacing
