@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from warpsph import checks, materials
-from warpsph.config import Numerics
+from warpsph.config import LimiterName, Numerics, RiemannName
 from warpsph.materials import IsothermalMieGrueneisen, Material
 from warpsph.measure import once
 from warpsph.scene import Scene
@@ -132,8 +132,8 @@ def build(
     scheme: str = "ts2",
     particles: int = 100,
     eos: Literal["printed", "full"] = "printed",
-    riemann: Literal["acoustic", "two-shock"] = "acoustic",
-    limiter: Literal["superbee", "minmod", "sweby", "mc", "vanleer"] = "minmod",
+    riemann: RiemannName = "acoustic",
+    limiter: LimiterName = "minmod",
     limiter_beta: float = 1.5,
     limit_jump: bool = False,
 ) -> Scene:

@@ -4,7 +4,7 @@ from typing import Literal
 
 import numpy as np
 
-from warpsph.config import Numerics
+from warpsph.config import LimiterName, Numerics, RiemannName
 from warpsph.lattices import CoreAndRings, Rings
 from warpsph.measure import extent, groups, once, widest_gap
 from warpsph.scene import Scene
@@ -24,17 +24,24 @@ def build(
     speed: float = 3100.0,
     lattice: Literal["core-and-rings", "rings"] = "core-and-rings",
     plane: Literal["strain", "stress"] = "strain",
+    riemann: RiemannName = "acoustic",
+    limiter: LimiterName = "minmod",
 ) -> Scene:
     """Build disc and plate, so far apart that their supports are about to overlap: t = 0 of the measures.
 
     Args:
-        scheme: Viscosity sav1, sav2, bal or mon; -as adds artificial stress, -mixed the correction, -mixed-as both.
+        scheme: Viscosity sav1, sav2, av, bal or mon (-as adds artificial stress, -mixed the correction, -mixed-as
+            both), or a Godunov scheme, con, ts1 or ts2.
         spacing: Particle spacing [m]; the paper's is 1e-4.
         speed: Speed of the disc [m/s].
         lattice: Arrangement of the disc's particles: 7830 or, as concentric rings, 8012 at the paper's spacing.
         plane: Plane strain or plane stress.
+        riemann: Riemann solver of the Godunov schemes.
+        limiter: Slope limiter of ts2.
     """
-    numerics = Numerics(scheme=scheme, smoothing_ratio=SMOOTHING_RATIO, plane=plane)
+    numerics = Numerics(
+        scheme=scheme, smoothing_ratio=SMOOTHING_RATIO, plane=plane, riemann=riemann, limiter=limiter
+    )
     scene = Scene("hvi_2d", dim=2, spacing=spacing, until=8e-6, snapshots=20, numerics=numerics)
     gap = 2.0 * SMOOTHING_RATIO * spacing - 0.5 * spacing
     centre = (-RADIUS - gap, 0.0)

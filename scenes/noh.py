@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from warpsph import checks
-from warpsph.config import Numerics
+from warpsph.config import LimiterName, Numerics, RiemannName
 from warpsph.lattices import Cartesian
 from warpsph.materials import Fluid, IdealGas, Material
 from warpsph.measure import once
@@ -80,8 +80,8 @@ def build(
     scheme: str = "ts2",
     particles: int = 100,
     dim: Literal[1, 2] = 1,
-    riemann: Literal["acoustic", "two-shock"] = "two-shock",
-    limiter: Literal["superbee", "minmod", "sweby", "mc", "vanleer"] = "superbee",
+    riemann: RiemannName = "two-shock",
+    limiter: LimiterName = "superbee",
     limit_jump: bool = False,
 ) -> Scene:
     """Build the gas within 1 m of the origin, with planes of symmetry in place of the wall, or of the other quadrants.

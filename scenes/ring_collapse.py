@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from warpsph.config import Numerics
+from warpsph.config import LimiterName, Numerics, RiemannName
 from warpsph.measure import once
 from warpsph.scene import Scene
 from warpsph.state import State
@@ -90,8 +90,8 @@ def build(
     particles: int = 8172,
     lattice: Literal["rings", "spokes"] = "rings",
     shear_modulus: Literal["printed", "literature"] = "printed",
-    riemann: Literal["acoustic", "two-shock"] = "two-shock",
-    limiter: Literal["superbee", "minmod", "sweby", "mc", "vanleer"] = "minmod",
+    riemann: RiemannName = "two-shock",
+    limiter: LimiterName = "minmod",
     limiter_beta: float = 1.5,
     limit_jump: bool = False,
 ) -> Scene:

@@ -1,10 +1,8 @@
 """Steel bar hits a silicon carbide tile at 800 m/s in plane strain (Connolly et al. 2013, section 5)."""
 
-from typing import Literal
-
 import numpy as np
 
-from warpsph.config import Numerics
+from warpsph.config import LimiterName, Numerics, RiemannName
 from warpsph.lattices import Cartesian
 from warpsph.scene import Scene
 from warpsph.shapes import Box
@@ -27,8 +25,8 @@ def build(
     scheme: str = "ts2",
     spacing: float = 2.5e-4,
     speed: float = 800.0,
-    riemann: Literal["acoustic", "two-shock"] = "two-shock",
-    limiter: Literal["superbee", "minmod", "sweby", "mc", "vanleer"] = "minmod",
+    riemann: RiemannName = "two-shock",
+    limiter: LimiterName = "minmod",
     limiter_beta: float = 1.5,
     limit_jump: bool = False,
 ) -> Scene:

@@ -4,7 +4,7 @@ from typing import Literal
 
 import numpy as np
 
-from warpsph.config import Numerics
+from warpsph.config import LimiterName, Numerics, RiemannName
 from warpsph.scene import Scene
 from warpsph.shapes import Box
 from warpsph.state import State
@@ -65,8 +65,8 @@ def build(
     particles: int = 400,
     dim: Literal[1, 2] = 1,
     smoothing_ratio: float = 2.4,
-    riemann: Literal["acoustic", "two-shock"] = "two-shock",
-    limiter: Literal["superbee", "minmod", "sweby", "mc", "vanleer"] = "superbee",
+    riemann: RiemannName = "two-shock",
+    limiter: LimiterName = "superbee",
     limit_jump: bool = False,
 ) -> Scene:
     """Build the tube, 1 m long and closed by particles at rest.

@@ -1,6 +1,7 @@
 """Every numerical choice of a run, validated when it is made."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 from .errors import InputError
 
@@ -12,6 +13,12 @@ RIEMANN_SOLVERS = ("acoustic", "two-shock")
 
 LIMITERS = ("superbee", "minmod", "sweby", "mc", "vanleer")
 """Slope limiters of the second-order Godunov schemes (Connolly et al. 2013, Eq. 27)."""
+
+RiemannName = Literal[*RIEMANN_SOLVERS]
+"""Type of a scene's parameter that names a Riemann solver."""
+
+LimiterName = Literal[*LIMITERS]
+"""Type of a scene's parameter that names a limiter."""
 
 
 @dataclass(frozen=True)
