@@ -71,8 +71,5 @@ FIELDS: tuple[Field, ...] = (
 )
 """Every quantity. A field is never renamed or reordered silently: old snapshots stay readable."""
 
-ADDED = ("T", "D", "ep_rate")
-"""Fields that checkpoints of the first release do not hold; a run that goes on from one has them as at its start."""
-
 BY_NAME = {f.name: f for f in FIELDS}
 """The table by symbol."""

@@ -3,7 +3,7 @@
 import numpy as np
 import warp as wp
 
-from .fields import ADDED, FIELDS
+from .fields import FIELDS
 from .kernels.sort import make_sort
 from .kernels.spec import Spec
 from .launch import Launcher
@@ -56,8 +56,7 @@ class Particles:
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Take over the arrays of a checkpoint."""
         for f in FIELDS:
-            if f.name in arrays or f.name not in ADDED:
-                getattr(self, f.name).assign(arrays[f.name])
+            getattr(self, f.name).assign(arrays[f.name])
 
     def state(self, time: float, step: int) -> State:
         """Copy the output fields to the host, in id order."""

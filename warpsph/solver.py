@@ -10,6 +10,7 @@ import warp as wp
 from .blocks import Blocks
 from .clock import Clock, Reading
 from .errors import InputError, RunError
+from .fields import FIELDS
 from .kernels.ledger import MAXIMA, SUMS, make_ledger
 from .kernels.spec import Spec
 from .kernels.timestep import ACCELERATION_CFL, COLLAPSED, NON_FINITE, RUNNING, STALE, VISCOUS_SHARE
@@ -199,8 +200,13 @@ class Solver:
         """Go on from what `save` gave, bit for bit.
 
         Raises:
-            InputError: The checkpoint is of another number of particles or precision.
+            InputError: The checkpoint is of another number of particles or precision, or lacks a field.
         """
+        missing = [f.name for f in FIELDS if f.name not in arrays]
+        if missing:
+            raise InputError(
+                f"checkpoint lacks {', '.join(missing)}; allowed: one of this version of warpsph (start the run anew)"
+            )
         if len(arrays["id"]) != self.particles.n or info["precision"] != self.precision:
             raise InputError(
                 f"checkpoint holds {len(arrays['id'])} particles in {info['precision']}; "
