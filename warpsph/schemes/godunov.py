@@ -3,8 +3,9 @@
 import warp as wp
 
 from warpsph.config import Numerics
+from warpsph.kernels.godunov_deviatoric import make_deviatoric
+from warpsph.kernels.godunov_hydrodynamic import Reconstruction, make_hydrodynamic
 from warpsph.kernels.godunov_pm import make_godunov_pm
-from warpsph.kernels.godunov_split import Reconstruction, make_deviatoric, make_hydrodynamic
 from warpsph.kernels.kinematics import make_kinematics
 from warpsph.kernels.spec import Spec
 from warpsph.launch import Command

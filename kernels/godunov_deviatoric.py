@@ -1,0 +1,121 @@
+"""Stage 1 of the time-split scheme: the deviatoric stress, without dissipation (Connolly et al. 2013, section 3.3)."""
+
+import functools
+
+import warp as wp
+
+from .correction import make_gradient
+from .mirror import make_mirror
+from .smoothing import Smoothing
+from .spec import Spec
+from .tensor import make_tensor
+
+
+@functools.cache
+def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, planes: bool) -> wp.Kernel:
+    """Build the loop; for second order it also leaves the slopes of pressure and density."""
+    real, vec, matrix = s.real, s.vec, s.mat
+    mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
+    w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
+    dot, product = tensor.dot, tensor.product
+    zero, half = real(0.0), real(0.5)
+    dim, on = s.dim, wp.constant(int(corrected))
+    options = (smoothing.name, f"order{order}", "corrected" * corrected, "planes" * planes)
+
+    @wp.kernel(module=s.module(__name__, "_".join(filter(None, options))))
+    def deviatoric(
+        offset: wp.int32,
+        # in:
+        x: wp.array[vec],
+        v: wp.array[vec],
+        m: wp.array[real],
+        rho: wp.array[real],
+        vol: wp.array[real],
+        p: wp.array[real],
+        tau: wp.array[matrix],
+        K: wp.array[matrix],
+        G: wp.array[vec],
+        h: real,
+        gradient_ratio: real,
+        plane: vec,
+        dt: wp.array[real],
+        start: wp.array[wp.int32],
+        n_neigh: wp.array[wp.int32],
+        neigh: wp.array[wp.int32],
+        # out:
+        dvdt: wp.array[vec],
+        dedt: wp.array[real],
+        grad_p: wp.array[vec],
+        grad_rho: wp.array[vec],
+        v_start: wp.array[vec],
+        near: wp.array[wp.int32],
+        slope: wp.array[real],
+        n_near: wp.array[wp.int32],
+    ):
+        """dvdt = Σ f_ab/m_a [m/s²], dedt = Σ f_ab·(v_b - v_a)/(2 m_a) [W/kg], f_ab = V_a V_b (τ_a g_ab - τ_b g_ba).
+
+        Section 10, stage 1 (Connolly et al. 2013, Eqs. 21 and 32). grad Q = Σ V_b (Q_b - Q_a) g_ab of p [Pa/m] and
+        ρ [kg/m⁴]; v_start = v. The pairs within the support, and their (dW/dr)/r, are left behind for the other loops.
+        """
+        i = wp.tid() + offset
+        if dt[0] == zero:
+            return
+        first = start[i]
+        own = i * on  # K and G are one long where there is no correction
+        xi, vi, tau_i = x[i], v[i], tau[i]
+        p_i, rho_i = p[i], rho[i]
+        r_max2 = support * support * h * h
+        # scalars, not vectors: the compiler keeps them in registers
+        f_x, f_y, f_z, power = real(0.0), real(0.0), real(0.0), real(0.0)
+        p_x, p_y, p_z = real(0.0), real(0.0), real(0.0)
+        rho_x, rho_y, rho_z = real(0.0), real(0.0), real(0.0)
+        found = wp.int32(0)
+        for k in range(first, first + n_neigh[i]):
+            j = mirror.index(neigh[k])
+            sign = mirror.sign(neigh[k])
+            xij = xi - mirror.point(x[j], sign, plane)
+            r2 = dot(xij, xij)
+            if r2 < r_max2:
+                r = wp.sqrt(r2)
+                dw = dw_r(r, h)
+                near[first + found] = neigh[k]
+                slope[first + found] = dw
+                found += 1
+                w_ij = real(0.0)
+                if wp.static(corrected):
+                    w_ij = w(r, h)
+                g_ij = of_pair(xij, dw, w_ij, K[own], G[own], h, gradient_ratio)
+                tau_j = mirror.tensor(tau[j], sign)
+                f = product(tau_i + tau_j, g_ij)
+                if wp.static(corrected):
+                    other = j * on
+                    K_j, G_j = mirror.tensor(K[other], sign), mirror.vector(G[other], sign)
+                    g_ji = of_pair(-xij, dw, w_ij, K_j, G_j, h, gradient_ratio)
+                    f = product(tau_i, g_ij) - product(tau_j, g_ji)
+                f *= vol[j]
+                power += half * dot(f, mirror.vector(v[j], sign) - vi)
+                f_x += f[0]
+                if wp.static(dim > 1):
+                    f_y += f[1]
+                if wp.static(dim > 2):
+                    f_z += f[2]
+                if wp.static(order == 2):
+                    dp, drho = vol[j] * (p[j] - p_i), vol[j] * (rho[j] - rho_i)
+                    p_x += dp * g_ij[0]
+                    rho_x += drho * g_ij[0]
+                    if wp.static(dim > 1):
+                        p_y += dp * g_ij[1]
+                        rho_y += drho * g_ij[1]
+                    if wp.static(dim > 2):
+                        p_z += dp * g_ij[2]
+                        rho_z += drho * g_ij[2]
+        per_mass = vol[i] / m[i]
+        dvdt[i] = per_mass * vec(f_x, f_y, f_z)
+        dedt[i] = per_mass * power
+        v_start[i] = vi
+        n_near[i] = found
+        if wp.static(order == 2):
+            grad_p[i] = vec(p_x, p_y, p_z)
+            grad_rho[i] = vec(rho_x, rho_y, rho_z)
+
+    return deviatoric
