@@ -49,7 +49,11 @@ def ring_collapse() -> Case:
         "ring_collapse",
         (
             Table("8172 particles in 17 rings", _figures(half_spacing=0.588), tuple(coarse)),
-            Table("23,506 particles in 46 rings of 511, or 23,780 as many as fit", _figures(half_spacing=0.347), tuple(fine)),
+            Table(
+                "23,506 particles in 46 rings of 511, or 23,780 as many as fit",
+                _figures(half_spacing=0.347),
+                tuple(fine),
+            ),
         ),
         (Picture("ring_collapse.png", _radii), Picture("ring_collapse_strain.png", _strain)),
     )
