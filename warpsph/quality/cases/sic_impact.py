@@ -25,7 +25,7 @@ def sic_impact() -> Case:
         Figure("damaged_mass", "failed", "kg/m", style=".2f"),
         Figure("damaged_share", "failed", "%", 100.0, ".1f"),
         Figure("penetration", "penetration", "mm", 1e3, ".2f"),
-        Figure("gauge_pressure", "P, 2 mm deep", "GPa", 1e-9, ".2f", (7.5, 9.5)),
+        Figure("gauge_pressure", "P, 2 mm deep", "GPa", 1e-9, ".2f", (7.17, 9.31)),
         ENERGY, MOMENTUM, *COST,
     )  # fmt: skip
     schemes = ("av", "ts1", "ts2", "pm")
