@@ -1,5 +1,6 @@
 """What every scheme has: its material update, its time step, and the arrays and constants its kernels are bound to."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 
 import warp as wp
@@ -18,7 +19,7 @@ Bind = Callable[..., Command]
 """``bind(kernel, n)`` binds a launch over all particles, or over n threads, to the solver's arrays."""
 
 
-class Scheme:
+class Scheme(ABC):
     """A scheme as ordered lists of launches; a family adds its pair loops and `step`.
 
     Attributes:
@@ -83,9 +84,9 @@ class Scheme:
         """The launch that makes pressure, stress and volume agree with the scene's density and energy."""
         return [bind(self._constitutive)]
 
+    @abstractmethod
     def probe(self, bind: Bind) -> list[Command]:
         """The launches that find forces and approach speeds without a step: they limit the very first one."""
-        raise NotImplementedError
 
     def derive(self, bind: Bind) -> list[Command]:
         """The launches that refill what one step leaves for the next and no checkpoint holds."""
@@ -101,9 +102,9 @@ class Scheme:
         ]
         return [bind(kernel, n) for kernel, n in sequence]
 
+    @abstractmethod
     def step(self, bind: Bind) -> list[Command]:
         """One step from t to t + dt."""
-        raise NotImplementedError
 
 
 def bound(bind: Bind, *kernels: wp.Kernel | None) -> list[Command]:
