@@ -5,7 +5,9 @@ import functools
 import warp as wp
 
 from .damage import make_damage
+from .deformation import INVERTED
 from .eos import make_eos
+from .kernel_type import ERODED, LAGRANGIAN
 from .material import FIRST_NONLINEAR, make_material
 from .spec import Spec
 from .strength import make_strength
@@ -16,13 +18,14 @@ PLANE_STRESS_TOLERANCE = 1.0e-9
 
 
 @functools.cache
-def make_constitutive(s: Spec, plane_stress: bool, split: bool) -> wp.Kernel:
+def make_constitutive(s: Spec, plane_stress: bool, split: bool, lagrangian: bool = False) -> wp.Kernel:
     """Build the update.
 
     Args:
         s: Specialisation.
         plane_stress: Find the thickness rate that leaves sigma_zz = 0 (2D).
         split: The density follows a rate of its own, ``div``, not tr L: a Riemann scheme sums them apart.
+        lagrangian: There are Lagrangian particles: their density is ρ0/J.
     """
     real, matrix = s.real, s.mat
     Material, tensor, eos = make_material(s), make_tensor(s), make_eos(s)
@@ -34,29 +37,27 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool) -> wp.Kernel:
     def trial(
         m: Material,
         L: matrix,
-        div: real,
         dt: real,
-        rho: real,
+        rho_new: real,
         e: real,
         tau: matrix,
         ep: real,
         T: real,
         D: real,
     ):
-        """One strain increment: ρ' = ρ exp(-dt div v), EOS, cut-off; Jaumann + 2 G dev D, radial return, damage."""
-        rho_new = rho * wp.exp(-dt * div)
+        """One strain increment to the density ρ': EOS, cut-off; Jaumann + 2 G dev D, radial return, damage."""
         p, c, out_of_range = eos(m, rho_new, e)
         p = wp.max(p, m.p_min)
         elastic = tensor.rotate(tau, L, dt) + (real(2.0) * m.G * dt) * tensor.deviator(tensor.stretch(L))
         if m.strength < nonlinear:
             tau_new, d_ep = strength.linear_return(m, elastic, ep)
-            return rho_new, tau_new, d_ep, p, c, out_of_range, D
+            return tau_new, d_ep, p, c, out_of_range, D
         D_old = damage.tension(m, D, p)
         tau_new, d_ep = strength.nonlinear_return(m, elastic, ep, T, p, D_old, dt)
         D_new = damage.growth(m, D_old, d_ep, d_ep / dt, T, p, tau_new)
         if D_new >= one and D_old < one:  # it fails in this very step, and its strength drops at once
             tau_new, d_ep = strength.nonlinear_return(m, elastic, ep, T, p, D_new, dt)
-        return rho_new, tau_new, d_ep, damage.pressure(m, D_new, p), c, out_of_range, D_new
+        return tau_new, d_ep, damage.pressure(m, D_new, p), c, out_of_range, D_new
 
     if plane_stress:
 
@@ -64,7 +65,6 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool) -> wp.Kernel:
         def update(
             m: Material,
             L: matrix,
-            div: real,
             dt: real,
             rho: real,
             e: real,
@@ -74,18 +74,21 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool) -> wp.Kernel:
             D: real,
             c_old: real,
         ):
-            """Secant search for L_zz with sigma_zz = 0, started with the elastic slope dt (K + 4G/3)."""
+            """Secant search for L_zz with sigma_zz = 0, started with the elastic slope dt (K + 4G/3).
+
+            ρ is the density at the end of the step if the thickness does not change.
+            """
             modulus = rho * c_old * c_old + stiff * m.G
             L0 = zero
-            rho_new, tau_new, d_ep, p, c, out, D_new = trial(m, L, div, dt, rho, e, tau, ep, T, D)
+            rho_new = real(rho)
+            tau_new, d_ep, p, c, out, D_new = trial(m, L, dt, rho, e, tau, ep, T, D)
             f0 = tau_new[2, 2] - p
             L1 = L0 - f0 / (dt * modulus)
             for _k in range(20):
                 if wp.abs(f0) > tolerance * modulus:
                     L[2, 2] = L1
-                    rho_new, tau_new, d_ep, p, c, out, D_new = trial(
-                        m, L, div + L1, dt, rho, e, tau, ep, T, D
-                    )
+                    rho_new = rho * wp.exp(-dt * L1)
+                    tau_new, d_ep, p, c, out, D_new = trial(m, L, dt, rho_new, e, tau, ep, T, D)
                     f1 = tau_new[2, 2] - p
                     slope = dt * modulus
                     if wp.abs(f1 - f0) > zero and (f1 - f0) / (L1 - L0) > real(0.1) * slope:
@@ -100,7 +103,6 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool) -> wp.Kernel:
         def update(
             m: Material,
             L: matrix,
-            div: real,
             dt: real,
             rho: real,
             e: real,
@@ -110,10 +112,12 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool) -> wp.Kernel:
             D: real,
             c_old: real,
         ):
-            rho_new, tau_new, d_ep, p, c, out, D_new = trial(m, L, div, dt, rho, e, tau, ep, T, D)
-            return rho_new, tau_new, d_ep, p, c, out, D_new, zero
+            tau_new, d_ep, p, c, out, D_new = trial(m, L, dt, rho, e, tau, ep, T, D)
+            return rho, tau_new, d_ep, p, c, out, D_new, zero
 
-    variant = [name for name, on in (("plane_stress", plane_stress), ("split", split)) if on]
+    variant = [name for name, on in (
+        ("plane_stress", plane_stress), ("split", split), ("lagrangian", lagrangian)
+    ) if on]  # fmt: skip
 
     @wp.kernel(module=s.module(__name__, "_".join(variant)))
     def constitutive(
@@ -125,6 +129,10 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool) -> wp.Kernel:
         m: wp.array[real],
         mat: wp.array[wp.int32],
         materials: wp.array[Material],
+        F: wp.array[matrix],
+        vol0: wp.array[real],
+        kernel_type: wp.array[wp.int32],
+        fate: wp.array[wp.int32],
         dt: wp.array[real],
         # out:
         rho: wp.array[real],
@@ -145,6 +153,7 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool) -> wp.Kernel:
     ):
         """ρ, τ, ε_p, T, D, p, c and σ = τ - p I after the step (sections 7-8), from dvdx and e at its end.
 
+        ρ' = ρ exp(-dt div v), or ρ0/J of a Lagrangian particle whose F is physical (section 4).
         ``div`` is the rate of volume div v [1/s] of a scheme that splits it from dvdx, else 1 long and not read.
         In plane stress σ and the volume are those of the sheet: σ times, and V over, the thickness ratio.
         """
@@ -155,8 +164,14 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool) -> wp.Kernel:
         rate = wp.trace(dvdx[i])
         if wp.static(split):
             rate = div[i]
+        rho_next = rho[i] * wp.exp(-dt[0] * rate)
+        if wp.static(lagrangian):
+            if kernel_type[i] == ERODED:
+                return
+            if kernel_type[i] == LAGRANGIAN and fate[i] != wp.static(INVERTED):
+                rho_next = m[i] / (vol0[i] * wp.determinant(F[i]) * thickness[i])
         rho_i, tau_i, d_ep, p_i, c_i, out, D_i, L_zz = update(
-            row, dvdx[i], rate, dt[0], rho[i], e[i], tau[i], ep[i], T[i], D[i], cs[i]
+            row, dvdx[i], dt[0], rho_next, e[i], tau[i], ep[i], T[i], D[i], cs[i]
         )
         sheet = one
         if wp.static(plane_stress):

@@ -8,6 +8,7 @@ import functools
 
 import warp as wp
 
+from .kernel_type import ERODED
 from .mirror import make_mirror
 from .smoothing import Smoothing
 from .spec import Spec
@@ -18,12 +19,31 @@ CONDITION = 1.0e-3
 
 
 @functools.cache
-def make_correction(s: Spec, smoothing: Smoothing, planes: bool) -> wp.Kernel:
-    """Build the kernel that computes K and G."""
+def make_correction(
+    s: Spec, smoothing: Smoothing, planes: bool, separate: bool = False, coupled: bool = False
+) -> wp.Kernel:
+    """Build the kernel that computes K and G.
+
+    Args:
+        s: Specialisation.
+        smoothing: Smoothing kernel.
+        planes: Neighbour entries may be mirror images.
+        separate: Neighbours of another body do not count.
+        coupled: There are Lagrangian particles: eroded ones do not count.
+    """
     real, vec, mat, dim = s.real, s.vec, s.mat, s.dim
     mirror, tensor = make_mirror(s, planes), make_tensor(s)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     bound = real(CONDITION)
+    options = (smoothing.name, "planes" * planes, "separate" * separate, "coupled" * coupled)
+
+    @wp.func
+    def counts(body_i: wp.int32, body_j: wp.int32, type_j: wp.int32):
+        if wp.static(separate) and body_i != body_j:
+            return False
+        if wp.static(coupled) and type_j == ERODED:
+            return False
+        return True
 
     @wp.func
     def inverse_or_identity(M: mat, neighbours: wp.int32):
@@ -40,12 +60,14 @@ def make_correction(s: Spec, smoothing: Smoothing, planes: bool) -> wp.Kernel:
             one = wp.inverse(M)
         return one, ok
 
-    @wp.kernel(module=s.module(__name__, smoothing.name + ("_planes" if planes else "")))
+    @wp.kernel(module=s.module(__name__, "_".join(filter(None, options))))
     def correction(
         offset: wp.int32,
         # in:
         x: wp.array[vec],
         vol: wp.array[real],
+        body: wp.array[wp.int32],
+        kernel_type: wp.array[wp.int32],
         h: real,
         plane: vec,
         dt: wp.array[real],
@@ -70,7 +92,7 @@ def make_correction(s: Spec, smoothing: Smoothing, planes: bool) -> wp.Kernel:
             j = mirror.index(neigh[k])
             xij = xi - mirror.point(x[j], mirror.sign(neigh[k]), plane)
             r2 = tensor.dot(xij, xij)
-            if r2 < r_max2:
+            if r2 < r_max2 and counts(body[i], body[j], kernel_type[j]):
                 r = wp.sqrt(r2)
                 shepard += vol[j] * w(r, h)
                 sum_G += (vol[j] * dw_r(r, h)) * xij
@@ -81,7 +103,7 @@ def make_correction(s: Spec, smoothing: Smoothing, planes: bool) -> wp.Kernel:
             j = mirror.index(neigh[k])
             xij = xi - mirror.point(x[j], mirror.sign(neigh[k]), plane)
             r2 = tensor.dot(xij, xij)
-            if r2 < r_max2:
+            if r2 < r_max2 and counts(body[i], body[j], kernel_type[j]):
                 r = wp.sqrt(r2)
                 M -= (vol[j] / shepard) * wp.outer(dw_r(r, h) * xij - w(r, h) * log_G, xij)
         inverse, ok = inverse_or_identity(M, neighbours)

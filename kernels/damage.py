@@ -69,8 +69,8 @@ def make_damage(s: Spec) -> Damage:
 
     @wp.func
     def pressure(m: Material, D: real, p: real):
-        """p, but no tension in a failed ceramic (Connolly et al. 2013, Algorithm 1)."""
-        if m.damage == ceramic and D >= one:
+        """p, but no tension where the material has lost it (Connolly et al. 2013, Algorithm 1)."""
+        if D >= m.D_tension:
             return wp.max(p, zero)
         return p
 

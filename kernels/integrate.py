@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import warp as wp
 
+from .parts import part_types
 from .spec import Spec
 
 TINY_SPEED = {wp.float32: 1.0e-15, wp.float64: 1.0e-100}
@@ -21,11 +22,18 @@ class IntegrateKernels(NamedTuple):
 
 
 @functools.cache
-def make_integrate(s: Spec, exact_energy: bool = True) -> IntegrateKernels:
-    """Build the kernels; ``exact_energy`` off leaves out section 11's centring of the velocity in the energy."""
+def make_integrate(s: Spec, exact_energy: bool = True, parts: bool = False) -> IntegrateKernels:
+    """Build the kernels for one specialisation.
+
+    Args:
+        s: Specialisation.
+        exact_energy: Section 11's centring of the velocity in the energy.
+        parts: The parts of the forces are booked one by one.
+    """
     real, vec = s.real, s.vec
     half, zero, tiny = real(0.5), real(0.0), real(TINY_SPEED[s.real])
-    module = s.module(__name__, "" if exact_energy else "explicit")
+    Accelerations, Powers = part_types(s)
+    module = s.module(__name__, "_".join(filter(None, ("explicit" * (not exact_energy), "parts" * parts))))
 
     @wp.func
     def flushed(v: vec, e: real):
@@ -43,6 +51,8 @@ def make_integrate(s: Spec, exact_energy: bool = True) -> IntegrateKernels:
         # in:
         dvdt: wp.array[vec],
         dedt: wp.array[real],
+        part_a: wp.array[Accelerations],
+        part_power: wp.array[Powers],
         m: wp.array[real],
         fixed: wp.array[wp.int32],
         dt: wp.array[real],
@@ -53,11 +63,13 @@ def make_integrate(s: Spec, exact_energy: bool = True) -> IntegrateKernels:
         impulse: wp.array[vec],
         twist: wp.array[vec],
         work: wp.array[real],
+        e_parts: wp.array[Powers],
     ):
         """v' = v + dt A, e' = e + dt (B - A·(v + v')/2) with B - A·v = dedt (section 11), or e' = e + dt dedt.
 
         Where a component is prescribed it keeps its velocity; the momentum, angular momentum and energy
-        that the constraint gives are booked in impulse [N s], twist [N m s] and work [J].
+        that the constraint gives are booked in impulse [N s], twist [N m s] and work [J]. What each part of the forces
+        has turned into internal energy is booked in e_parts [J/kg], by the same rule.
         """
         i = wp.tid() + offset
         if dt[0] == zero:
@@ -77,6 +89,11 @@ def make_integrate(s: Spec, exact_energy: bool = True) -> IntegrateKernels:
         e_new = e[i] + dt[0] * dedt[i]
         if wp.static(exact_energy):
             e_new -= half * wp.dot(free, dv)
+        if wp.static(parts):
+            gained = dt[0] * part_power[i]
+            if wp.static(exact_energy):
+                gained -= (half * dt[0]) * (part_a[i] * dv)
+            e_parts[i] = e_parts[i] + gained
         v_new, e_new = flushed(v_new, e_new)
         v[i] = v_new
         e[i] = e_new

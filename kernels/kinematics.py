@@ -5,6 +5,7 @@ import functools
 import warp as wp
 
 from .correction import make_gradient
+from .kernel_type import EULERIAN
 from .mirror import make_mirror
 from .smoothing import Smoothing
 from .spec import Spec
@@ -12,13 +13,16 @@ from .tensor import make_tensor
 
 
 @functools.cache
-def make_kinematics(s: Spec, smoothing: Smoothing, corrected: bool, planes: bool) -> wp.Kernel:
-    """Build the velocity-gradient loop."""
+def make_kinematics(
+    s: Spec, smoothing: Smoothing, corrected: bool, planes: bool, coupled: bool = False
+) -> wp.Kernel:
+    """Build the velocity-gradient loop; ``coupled``: there are Lagrangian particles, whose gradient is not found here."""
     real, vec, mat = s.real, s.vec, s.mat
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     w = smoothing.w
     dim = s.dim
-    variant = "_".join(p for p in (smoothing.name, "corrected" * corrected, "planes" * planes) if p)
+    options = (smoothing.name, "corrected" * corrected, "planes" * planes, "coupled" * coupled)
+    variant = "_".join(filter(None, options))
 
     @wp.kernel(module=s.module(__name__, variant))
     def velocity_gradient(
@@ -27,6 +31,7 @@ def make_kinematics(s: Spec, smoothing: Smoothing, corrected: bool, planes: bool
         x: wp.array[vec],
         v: wp.array[vec],
         vol: wp.array[real],
+        kernel_type: wp.array[wp.int32],
         K: wp.array[mat],
         G: wp.array[vec],
         h: real,
@@ -44,6 +49,9 @@ def make_kinematics(s: Spec, smoothing: Smoothing, corrected: bool, planes: bool
         i = wp.tid() + offset
         if dt[0] == real(0.0):
             return
+        if wp.static(coupled):
+            if kernel_type[i] != EULERIAN:
+                return
         first = start[i]
         own = i * wp.static(int(corrected))  # K and G are one long where there is no correction
         xi, vi = x[i], v[i]

@@ -4,6 +4,7 @@ import functools
 
 import warp as wp
 
+from .parts import PARTS, part_types
 from .spec import Spec
 
 SUMS = (
@@ -12,9 +13,11 @@ SUMS = (
     "angular_momentum_x", "angular_momentum_y", "angular_momentum_z",
     "impulse_x", "impulse_y", "impulse_z",
     "twist_x", "twist_y", "twist_z",
-    "work", "eos_clipped",
+    "work", "eos_clipped", *PARTS,
 )  # fmt: skip
-"""Columns that are added up over blocks; energies in J, momenta in N s and N m s (per metre in 2D, ...)."""
+"""Columns that are added up over blocks; energies in J, momenta in N s and N m s (per metre in 2D, ...).
+
+The internal energy holds what the parts of the forces have turned into it."""
 
 MAXIMA = ("pressure_max", "tension_max", "speed_max", "density_max", "rarefaction_max", "internal_energy_max")
 """Columns of which the largest counts: p, -p [Pa], |v| [m/s], rho, -rho [kg/m³], e [J/kg]."""
@@ -26,6 +29,9 @@ def make_ledger(s: Spec) -> wp.Kernel:
     real, vec = s.real, s.vec
     d = wp.float64
     vec3 = wp.types.vector(3, d)
+    _, Powers = part_types(s)
+    n_parts, first_part = len(PARTS), len(SUMS) - len(PARTS)
+    Parts = wp.types.vector(len(PARTS), d)
     vec6 = wp.types.vector(len(MAXIMA), d)
     half, lowest = d(0.5), d(-1.0e300)
     n_sums, n_maxima = len(SUMS), len(MAXIMA)
@@ -48,6 +54,7 @@ def make_ledger(s: Spec) -> wp.Kernel:
         twist: wp.array[vec],
         work: wp.array[real],
         clipped: wp.array[wp.int32],
+        e_parts: wp.array[Powers],
         n: wp.int32,
         chunk: wp.int32,
         # out:
@@ -57,6 +64,7 @@ def make_ledger(s: Spec) -> wp.Kernel:
         b = wp.tid() + offset
         kinetic, internal, worked, clips = d(0.0), d(0.0), d(0.0), d(0.0)
         momentum, spin, push, turn = vec3(), vec3(), vec3(), vec3()
+        parts = Parts()
         top = vec6(lowest, lowest, lowest, lowest, lowest, lowest)
         for k in range(chunk):
             i = b * chunk + k
@@ -70,6 +78,8 @@ def make_ledger(s: Spec) -> wp.Kernel:
                 turn += wide(twist[i])
                 worked += d(work[i])
                 clips += d(clipped[i])
+                for c in range(wp.static(n_parts)):
+                    parts[c] += mi * d(e_parts[i][c])
                 top[0] = wp.max(top[0], d(p[i]))
                 top[1] = wp.max(top[1], -d(p[i]))
                 top[2] = wp.max(top[2], wp.length(vi))
@@ -85,6 +95,8 @@ def make_ledger(s: Spec) -> wp.Kernel:
             partial[b, 11 + c] = turn[c]
         partial[b, 14] = worked
         partial[b, 15] = clips
+        for c in range(wp.static(n_parts)):
+            partial[b, wp.static(first_part) + c] = parts[c]
         for c in range(wp.static(n_maxima)):
             partial[b, wp.static(n_sums) + c] = top[c]
 

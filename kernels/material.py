@@ -60,9 +60,8 @@ def _material(real: type) -> type:
         rho0: real  # reference density [kg/m^3]
         c_min: real  # floor of the sound speed [m/s]
         p_min: real  # pressure cut-off [Pa], -inf for none
-        D_tension: (
-            real  # damage from which on it bears no tension: 1 for a ceramic, 0 for a gas, inf for none
-        )
+        D_tension: real  # damage from which on it bears no tension: 1 failed, 0 for a gas, inf for never
+        D_shear: real  # the same for the shear of a Johnson-Cook metal
         A_shock: real  # slope of the shock velocity, Us = c + A_shock u
         # equation of state
         K: real

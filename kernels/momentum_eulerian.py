@@ -6,7 +6,9 @@ from dataclasses import dataclass
 import warp as wp
 
 from .correction import make_gradient
+from .coupling import ARTIFICIAL_STRESS, FORCE, KINEMATICS, PURE, Coupling, make_coupling
 from .mirror import make_mirror
+from .parts import ARTIFICIAL, VISCOUS, part_types
 from .smoothing import Smoothing
 from .spec import Spec
 from .tensor import make_tensor
@@ -22,17 +24,20 @@ class PairTerms:
         switched: The viscosity is scaled by the pair mean of a switch (Balsara, Morris & Monaghan).
         artificial_stress: Gray et al.'s term.
         planes: Neighbour entries may be mirror images.
+        coupling: What pairs of two kernel types, or of two bodies, share.
     """
 
     corrected: bool
     switched: bool
     artificial_stress: bool
     planes: bool
+    coupling: Coupling = PURE
 
     @property
     def tag(self) -> str:
         """Short name of the combination."""
-        return "_".join(name for name, on in vars(self).items() if on)
+        flags = [name for name, on in vars(self).items() if on is True]
+        return "_".join(filter(None, [*flags, self.coupling.tag]))
 
 
 @functools.cache
@@ -40,24 +45,29 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
     """Build the momentum and energy loop for one set of terms."""
     real, vec, mat = s.real, s.vec, s.mat
     mirror, tensor, of_pair = make_mirror(s, terms.planes), make_tensor(s), make_gradient(s, terms.corrected)
-    viscosity = make_viscosity(s)
+    viscosity, terms_of = make_viscosity(s), make_coupling(s, terms.coupling)
+    Accelerations, Powers = part_types(s)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     dot, product = tensor.dot, tensor.product
     switched, stressed = terms.switched, terms.artificial_stress
     half = real(0.5)
-    dim, on = s.dim, wp.constant(int(terms.corrected))
+    dim, on, coupled = s.dim, wp.constant(int(terms.corrected)), bool(terms.coupling.form)
+    shared = bool(terms.coupling.tag)  # a pair may lack some of the terms
 
     @wp.kernel(module=s.module(__name__, "_".join(p for p in (smoothing.name, terms.tag) if p)))
     def momentum(
         offset: wp.int32,
         # in:
         x: wp.array[vec],
+        X: wp.array[vec],
         v: wp.array[vec],
         m: wp.array[real],
         rho: wp.array[real],
         vol: wp.array[real],
         cs: wp.array[real],
         sig: wp.array[mat],
+        body: wp.array[wp.int32],
+        kernel_type: wp.array[wp.int32],
         av_switch: wp.array[real],
         R: wp.array[mat],
         K: wp.array[mat],
@@ -75,6 +85,8 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         # out:
         dvdt: wp.array[vec],
         dedt: wp.array[real],
+        part_a: wp.array[Accelerations],
+        part_power: wp.array[Powers],
         mu: wp.array[real],
         near: wp.array[wp.int32],
         slope: wp.array[real],
@@ -83,7 +95,8 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         """dvdt = Σ f_ab / m_a [m/s²] and dedt = Σ (w_ab - f_ab·v_a) / m_a [W/kg] (sections 3 and 11; paper A eq 1).
 
         f_ab = V_a V_b (σ_a g_ab - σ_b g_ba) + m_a m_b/2 (Π_ab - f^4 R_ab)(g_ba - g_ab); mu = largest |mu_ab| [m/s].
-        The pairs within the support, and their (dW/dr)/r, are left behind for the velocity gradient.
+        What viscosity and artificial stress contribute is kept in part_a and part_power. The pairs within the support,
+        and their (dW/dr)/r, are left behind for the velocity gradient.
         """
         i = wp.tid() + offset
         if dt[0] == real(0.0):
@@ -96,20 +109,31 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         r_max2 = support * support * h * h
         # scalars, not vectors: the compiler keeps them in registers
         f_x, f_y, f_z, power, mu_max = real(0.0), real(0.0), real(0.0), real(0.0), real(0.0)
+        visc_x, visc_y, visc_z, visc_power = real(0.0), real(0.0), real(0.0), real(0.0)
+        art_x, art_y, art_z, art_power = real(0.0), real(0.0), real(0.0), real(0.0)
         if wp.static(stressed):
             w_spacing = real(1.0) / w(spacing, h)
         found = wp.int32(0)
+        bits = wp.int32(wp.static(FORCE | ARTIFICIAL_STRESS | KINEMATICS))
         for k in range(first, first + n_neigh[i]):
             j = mirror.index(neigh[k])
             sign = mirror.sign(neigh[k])
             xij = xi - mirror.point(x[j], sign, plane)
             r2 = dot(xij, xij)
             if r2 < r_max2:
+                if wp.static(shared):
+                    Xij = vec()
+                    if wp.static(coupled):
+                        Xij = X[i] - mirror.point(X[j], sign, plane)
+                    bits = terms_of(kernel_type[i], kernel_type[j], body[i] == body[j], Xij, support * h)
+                    if bits == 0:
+                        continue
                 r = wp.sqrt(r2)
                 dw = dw_r(r, h)
-                near[first + found] = neigh[k]
-                slope[first + found] = dw
-                found += 1
+                if (bits & wp.static(KINEMATICS)) != 0:
+                    near[first + found] = neigh[k]
+                    slope[first + found] = dw
+                    found += 1
                 w_ij = real(0.0)
                 if wp.static(terms.corrected):
                     w_ij = w(r, h)
@@ -125,36 +149,61 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                     gradient_ratio,
                 )
                 vji = mirror.vector(v[j], sign) - vi
-                inner = product(sig_i, g_ij)
-                stress = vol[j] * (inner - product(mirror.tensor(sig[j], sign), g_ji))
                 g_mean = -g_ij
                 if wp.static(terms.corrected):
                     g_mean = half * (g_ji - g_ij)
-                pi_ij = real(0.0)
-                closing = -dot(vji, xij)
-                if closing < real(0.0):
-                    mu_ij = viscosity.approach(closing, r2, h)
-                    mu_max = wp.max(mu_max, -mu_ij)
-                    pi_ij = viscosity.pressure(
-                        mu_ij, half * (cs_i + cs[j]), half * (rho_i + rho[j]), viscosity_alpha, viscosity_beta
-                    )
-                    if wp.static(switched):
-                        pi_ij *= half * (av_switch[i] + av_switch[j])
-                pair = pi_ij * g_mean
+                pair_mass = m[j] * areal_i
+                if (bits & wp.static(FORCE)) != 0:
+                    inner = product(sig_i, g_ij)
+                    stress = vol[j] * (inner - product(mirror.tensor(sig[j], sign), g_ji))
+                    power += vol[j] * dot(vji, inner)
+                    f_x += stress[0]
+                    if wp.static(dim > 1):
+                        f_y += stress[1]
+                    if wp.static(dim > 2):
+                        f_z += stress[2]
+                    closing = -dot(vji, xij)
+                    if closing < real(0.0):
+                        mu_ij = viscosity.approach(closing, r2, h)
+                        mu_max = wp.max(mu_max, -mu_ij)
+                        pi_ij = viscosity.pressure(
+                            mu_ij,
+                            half * (cs_i + cs[j]),
+                            half * (rho_i + rho[j]),
+                            viscosity_alpha,
+                            viscosity_beta,
+                        )
+                        if wp.static(switched):
+                            pi_ij *= half * (av_switch[i] + av_switch[j])
+                        drag = (pair_mass * pi_ij) * g_mean
+                        visc_power += dot(vji, drag)
+                        visc_x += drag[0]
+                        if wp.static(dim > 1):
+                            visc_y += drag[1]
+                        if wp.static(dim > 2):
+                            visc_z += drag[2]
                 if wp.static(stressed):
                     R_ij = R[i] + mirror.tensor(R[j], sign)
-                    if wp.trace(R_ij) < real(0.0):  # zero, unless one of the two is in tension
+                    # zero, unless one of the two is in tension
+                    if (bits & wp.static(ARTIFICIAL_STRESS)) != 0 and wp.trace(R_ij) < real(0.0):
                         f = w(r, h) * w_spacing
-                        pair -= (f * f * f * f) * product(R_ij, g_mean)
-                pair *= m[j] * areal_i
-                power += vol[j] * dot(vji, inner) + half * dot(vji, pair)
-                f_x += stress[0] + pair[0]
-                if wp.static(dim > 1):
-                    f_y += stress[1] + pair[1]
-                if wp.static(dim > 2):
-                    f_z += stress[2] + pair[2]
-        dvdt[i] = vec(f_x, f_y, f_z) / areal_i
-        dedt[i] = power / areal_i
+                        push = (-pair_mass * (f * f * f * f)) * product(R_ij, g_mean)
+                        art_power += dot(vji, push)
+                        art_x += push[0]
+                        if wp.static(dim > 1):
+                            art_y += push[1]
+                        if wp.static(dim > 2):
+                            art_z += push[2]
+        per_mass = real(1.0) / areal_i
+        dvdt[i] = per_mass * vec(f_x + visc_x + art_x, f_y + visc_y + art_y, f_z + visc_z + art_z)
+        dedt[i] = per_mass * (power + half * (visc_power + art_power))
+        a, powers = Accelerations(), Powers()
+        powers[wp.static(VISCOUS)] = per_mass * half * visc_power
+        powers[wp.static(ARTIFICIAL)] = per_mass * half * art_power
+        a[wp.static(VISCOUS)] = per_mass * vec(visc_x, visc_y, visc_z)
+        a[wp.static(ARTIFICIAL)] = per_mass * vec(art_x, art_y, art_z)
+        part_a[i] = a
+        part_power[i] = powers
         mu[i] = mu_max
         n_near[i] = found
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import warp as wp
 
+from .kernel_type import ERODED
 from .mirror import INDEX_BITS, make_mirror
 from .spec import Spec
 from .tensor import make_tensor
@@ -22,11 +23,30 @@ class NeighbourKernels(NamedTuple):
 
 
 @functools.cache
-def make_neighbours(s: Spec, planes: bool) -> NeighbourKernels:
-    """Build the search, with the mirror images of the active planes if there are ``planes``."""
+def make_neighbours(
+    s: Spec, planes: bool, same_body: bool = False, selective: bool = False
+) -> NeighbourKernels:
+    """Build the search.
+
+    Args:
+        s: Specialisation.
+        planes: There are symmetry planes, whose mirror images count.
+        same_body: Particles of another body are no neighbours.
+        selective: Only particles of a role have a row, and eroded ones are nobody's neighbours.
+    """
     real, vec = s.real, s.vec
     mirror, dot = make_mirror(s, planes), make_tensor(s).dot
-    module = s.module(__name__, "planes" if planes else "")
+    options = ("planes" * planes, "same_body" * same_body, "selective" * selective)
+    module = s.module(__name__, "_".join(filter(None, options)))
+
+    @wp.func
+    def fits(body_i: wp.int32, body_j: wp.int32, type_j: wp.int32):
+        if wp.static(same_body) and body_i != body_j:
+            return False
+        if wp.static(selective) and type_j == ERODED:
+            return False
+        return True
+
     masks = wp.constant(8 if planes else 1)
     slack = wp.constant(SLACK)
 
@@ -36,6 +56,9 @@ def make_neighbours(s: Spec, planes: bool) -> NeighbourKernels:
         # in:
         grid: wp.uint64,
         x: wp.array[vec],
+        body: wp.array[wp.int32],
+        kernel_type: wp.array[wp.int32],
+        role: wp.array[wp.int32],
         plane: vec,
         plane_mask: wp.int32,
         radius: real,
@@ -54,6 +77,10 @@ def make_neighbours(s: Spec, planes: bool) -> NeighbourKernels:
         first = start[i]
         room = start[i + 1] - first
         n = wp.int32(0)
+        if wp.static(selective):
+            if role[i] == 0 or kernel_type[i] == ERODED:
+                n_neigh[i] = 0
+                return
         for mask in range(masks):
             if (mask & plane_mask) == mask:
                 xi = mirror.point(x[i], mirror.sign(mask << INDEX_BITS), plane)
@@ -62,6 +89,8 @@ def make_neighbours(s: Spec, planes: bool) -> NeighbourKernels:
                         neigh[first + n] = j | (mask << INDEX_BITS)
                     xij = xi - x[j]
                     near = dot(xij, xij) < radius * radius and (j != i or mask > 0)
+                    if wp.static(same_body or selective):
+                        near = near and fits(body[i], body[j], kernel_type[j])
                     n += wp.where(near, 1, 0)
         n_neigh[i] = n
         if n >= room:

@@ -113,13 +113,15 @@ def _linear_hardening(real: type, Material: type) -> wp.Function:
 
 def _johnson_cook(real: type, Material: type) -> wp.Function:
     rate_factor = _rate_factor(real, Material)
-    tiny = real(1e-30)
+    tiny, zero = real(1e-30), real(0.0)
 
     @wp.func
     def johnson_cook(m: Material, ep: real, rate: real, soft: real, p: real, D: real):
-        """(A + B εpⁿ)(1 + C ln max(ε̇/ε̇0, 1))(1 - T*ᵐ) (Johnson & Cook 1983)."""
+        """(A + B εpⁿ)(1 + C ln max(ε̇/ε̇0, 1))(1 - T*ᵐ) (Johnson & Cook 1983); 0 where failure takes the shear strength."""
         hardening = m.B * wp.pow(ep, m.n)
         R, slope = rate_factor(m, m.C, rate)
+        if D >= m.D_shear:
+            soft = zero
         slow = (m.A + hardening) * soft
         H = m.n * hardening / wp.max(ep, tiny) * R * soft  # of εp = 0, where it may be infinite: 0
         return slow * R, H, slow * slope

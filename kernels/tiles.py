@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import warp as wp
 
+from .kernel_type import EULERIAN
 from .spec import Spec
 
 
@@ -21,15 +22,22 @@ class TileKernels(NamedTuple):
     heads: wp.Kernel
     starts: wp.Kernel
     boxes: wp.Kernel
+    contents: wp.Kernel
+    roles: wp.Kernel
     motion: wp.Kernel
     wear: wp.Kernel
 
 
 @functools.cache
-def make_tiles(s: Spec) -> TileKernels:
-    """Build the kernels for one specialisation."""
+def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
+    """Build the kernels for one specialisation; ``selective``: there are Lagrangian particles."""
     real, vec = s.real, s.vec
-    module = s.module(__name__)
+    module = s.module(__name__, "selective" * selective)
+
+    @wp.func
+    def strangers(first: wp.int32, last: wp.int32, others_first: wp.int32, others_last: wp.int32):
+        """Whether two tiles hold particles of different bodies, given the lowest and highest body of each."""
+        return wp.min(first, others_first) != wp.max(last, others_last)
 
     @wp.func
     def cell(c: real, width: real):
@@ -119,6 +127,69 @@ def make_tiles(s: Spec) -> TileKernels:
         box_high[t] = high
 
     @wp.kernel(module=module)
+    def contents(
+        offset: wp.int32,
+        # in:
+        body: wp.array[wp.int32],
+        kernel_type: wp.array[wp.int32],
+        ripe: wp.array[wp.int32],
+        tile_start: wp.array[wp.int32],
+        member: wp.array[wp.int32],
+        n_tiles: wp.array[wp.int32],
+        # out:
+        active: wp.array[wp.int32],
+        body_first: wp.array[wp.int32],
+        body_last: wp.array[wp.int32],
+    ):
+        """active = 1: the tile has an Eulerian particle, or one about to convert; its lowest and highest body."""
+        t = wp.tid() + offset
+        if t >= n_tiles[0]:
+            return
+        found, first, last = wp.int32(0), wp.int32(1 << 30), wp.int32(-1)
+        for k in range(tile_start[t], tile_start[t + 1]):
+            i = member[k]
+            if kernel_type[i] == EULERIAN or ripe[i] == 1:
+                found = 1
+            first, last = wp.min(first, body[i]), wp.max(last, body[i])
+        active[t] = found
+        body_first[t] = first
+        body_last[t] = last
+
+    @wp.kernel(module=module)
+    def roles(
+        offset: wp.int32,
+        # in:
+        box_low: wp.array[vec],
+        box_high: wp.array[vec],
+        active: wp.array[wp.int32],
+        body_first: wp.array[wp.int32],
+        body_last: wp.array[wp.int32],
+        tile_start: wp.array[wp.int32],
+        member: wp.array[wp.int32],
+        n_tiles: wp.array[wp.int32],
+        radius: real,
+        # out:
+        tile_role: wp.array[wp.int32],
+        role: wp.array[wp.int32],
+    ):
+        """Role of a tile's particles: 2 in an active tile, 1 within the rows' reach of one or of another body, else 0."""
+        t = wp.tid() + offset
+        if t >= n_tiles[0]:
+            return
+        found = 2 * active[t]
+        if found == 0 and body_first[t] != body_last[t]:
+            found = 1
+        for u in range(n_tiles[0]):
+            if found == 0:
+                if active[u] == 1 or strangers(body_first[t], body_last[t], body_first[u], body_last[u]):
+                    gap = wp.max(wp.max(box_low[u] - box_high[t], box_low[t] - box_high[u]), vec())
+                    if wp.dot(gap, gap) < radius * radius:
+                        found = 1
+        tile_role[t] = found
+        for k in range(tile_start[t], tile_start[t + 1]):
+            role[member[k]] = found
+
+    @wp.kernel(module=module)
     def motion(
         offset: wp.int32,
         # in:
@@ -157,13 +228,20 @@ def make_tiles(s: Spec) -> TileKernels:
         box_high: wp.array[vec],
         moved_low: wp.array[vec],
         moved_high: wp.array[vec],
+        tile_role: wp.array[wp.int32],
+        body_first: wp.array[wp.int32],
+        body_last: wp.array[wp.int32],
         n_tiles: wp.array[wp.int32],
         support: real,
         radius: real,
+        wearing_role: wp.int32,
         # out:
         tile_wear: wp.array[real],
     ):
-        """Largest share of the allowed approach that a tile has used up against any tile [-]; 1 wears the rows out."""
+        """Largest share of the allowed approach that a tile has used up against any tile [-]; 1 wears the rows out.
+
+        With Lagrangian particles two tiles of one body count from ``wearing_role`` of one of them on.
+        """
         t = wp.tid() + offset
         if t >= n_tiles[0]:
             tile_wear[t] = real(0.0)
@@ -173,6 +251,11 @@ def make_tiles(s: Spec) -> TileKernels:
         skin2 = (radius - support) * (radius - support)
         worst = real(0.0)
         for u in range(n_tiles[0]):
+            if wp.static(selective):
+                if wp.max(tile_role[t], tile_role[u]) < wearing_role and not strangers(
+                    body_first[t], body_last[t], body_first[u], body_last[u]
+                ):
+                    continue
             nearer = wp.max(high - moved_low[u], moved_high[u] - low)
             n2 = wp.dot(nearer, nearer)
             if n2 > worst * skin2:  # otherwise no gap can make it the worst
@@ -181,4 +264,4 @@ def make_tiles(s: Spec) -> TileKernels:
                 worst = wp.max(worst, n2 / (apart * apart))
         tile_wear[t] = wp.sqrt(worst)
 
-    return TileKernels(keys, heads, starts, boxes, motion, wear)
+    return TileKernels(keys, heads, starts, boxes, contents, roles, motion, wear)

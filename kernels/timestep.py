@@ -7,10 +7,10 @@ import warp as wp
 
 from .spec import Spec
 
-RUNNING, DONE, STALE, COLLAPSED, NON_FINITE = 0, 1, 2, 3, 4
+RUNNING, DONE, STALE, COLLAPSED, NON_FINITE, INSIDE_OUT = range(6)
 """The device's verdict on the next step, given at the end of each: take it; t_stop reached; the neighbour rows no
-longer cover every pair; the step fell below its floor; a particle's state is not finite. A step is taken only when
-RUNNING: otherwise dt = 0 and every kernel returns at once."""
+longer cover every pair; the step fell below its floor; a particle's state is not finite; a Lagrangian particle has
+turned over, J <= 0. A step is taken only when RUNNING: otherwise dt = 0 and every kernel returns at once."""
 
 FLOOR = 1.0e-6
 """A step below this share of the first one stops the run."""
@@ -21,6 +21,9 @@ ACCELERATION_CFL = 0.25
 VISCOUS_SHARE = 0.6
 """Weight of the viscous signal speed: c_l + 0.6 (alpha c + beta mu) (Monaghan 1992)."""
 
+CONTACT_CFL = 0.5
+"""Coefficient of the contact limit 1/sqrt(stiffness/mass): two particles at it turn by 0.7 of a radian a step."""
+
 
 class TimestepKernels(NamedTuple):
     """Kernels of this file."""
@@ -30,18 +33,27 @@ class TimestepKernels(NamedTuple):
 
 
 @functools.cache
-def make_timestep(s: Spec) -> TimestepKernels:
-    """Build the kernels for one precision."""
+def make_timestep(s: Spec, lagrangian: bool = False, contact: bool = False) -> TimestepKernels:
+    """Build the kernels for one precision.
+
+    Args:
+        s: Specialisation.
+        lagrangian: There are Lagrangian particles.
+        contact: Bodies are in contact.
+    """
     real, vec = s.real, s.vec
     zero = real(0.0)
     share, acceleration = real(VISCOUS_SHARE), real(ACCELERATION_CFL)
-    floor = wp.float64(FLOOR)
-    module = s.module(__name__)
+    floor, contact_cfl = wp.float64(FLOOR), real(CONTACT_CFL)
+    module = s.module(__name__, "_".join(filter(None, ("lagrangian" * lagrangian, "contact" * contact))))
 
     @wp.func
-    def limit(h: real, cfl: real, cl: real, signal: real, a2: real, check: real):
+    def limit(h: real, cfl: real, speed: real, rate2: real, a2: real, check: real):
         """Largest stable step of one particle [s]; -1 where its state is not finite."""
-        dt_i = cfl * h / (cl + share * signal)
+        dt_i = cfl * h / speed
+        if wp.static(contact):
+            if rate2 > zero:
+                dt_i = wp.min(dt_i, contact_cfl / wp.sqrt(rate2))
         if a2 > zero:
             dt_i = wp.min(dt_i, acceleration * wp.sqrt(h / wp.sqrt(a2)))
         if not wp.isfinite(check) or not wp.isfinite(dt_i):
@@ -61,6 +73,8 @@ def make_timestep(s: Spec) -> TimestepKernels:
         cl: wp.array[real],
         mu: wp.array[real],
         av_switch: wp.array[real],
+        shrink: wp.array[real],
+        contact_rate: wp.array[real],
         h: real,
         cfl: real,
         viscosity_alpha: real,
@@ -70,7 +84,7 @@ def make_timestep(s: Spec) -> TimestepKernels:
         # out:
         block_dt: wp.array[real],
     ):
-        """Block minima of dt_a = cfl h/(c_l + 0.6 q(α c + β mu)) [s]."""
+        """Block minima of dt_a = cfl h/(c_l + 0.6 q(α c + β mu)) [s], h as it shrinks in the reference configuration."""
         b = wp.tid() + offset
         dt_b = real(1.0e30)
         for k in range(chunk):
@@ -78,7 +92,13 @@ def make_timestep(s: Spec) -> TimestepKernels:
             if i < n:
                 signal = av_switch[i] * (viscosity_alpha * cs[i] + viscosity_beta * mu[i])
                 check = rho[i] + e[i] + wp.dot(x[i], v[i])
-                dt_b = wp.min(dt_b, limit(h, cfl, cl[i], signal, wp.dot(dvdt[i], dvdt[i]), check))
+                speed = cl[i] + share * signal
+                if wp.static(lagrangian):
+                    speed *= shrink[i]
+                rate2 = zero
+                if wp.static(contact):
+                    rate2 = contact_rate[i]
+                dt_b = wp.min(dt_b, limit(h, cfl, speed, rate2, wp.dot(dvdt[i], dvdt[i]), check))
         block_dt[b] = dt_b
 
     @wp.kernel(module=module)
@@ -88,6 +108,8 @@ def make_timestep(s: Spec) -> TimestepKernels:
         block_dt: wp.array[real],
         tile_wear: wp.array[real],
         n_tiles: wp.array[wp.int32],
+        unlisted: wp.array[wp.int32],
+        turned: wp.array[wp.int32],
         # out:
         dt: wp.array[real],
         clock: wp.array[wp.float64],
@@ -116,11 +138,13 @@ def make_timestep(s: Spec) -> TimestepKernels:
         status = wp.int32(RUNNING)
         if smallest < zero:
             status = wp.int32(NON_FINITE)
+        elif turned[0] == 1:
+            status = wp.int32(INSIDE_OUT)
         elif step <= floor * clock[5]:
             status = wp.int32(COLLAPSED)
         elif left <= wp.float64(0.0):
             status = wp.int32(DONE)
-        elif worn >= real(1.0):
+        elif worn >= real(1.0) or unlisted[0] == 1:
             status = wp.int32(STALE)
         count[0] = status
         clock[6] = wp.float64(worn)

@@ -10,7 +10,7 @@ from warpsph.shapes import Box
 from warpsph.solver import Solver
 
 TIME = 5e-6
-EXACT = [name for name, settings in SCHEMES.items() if settings.exact_energy]
+EXACT = [name for name, settings in SCHEMES.items() if getattr(settings, "exact_energy", True)]
 AHEAD = np.array([13.5 * SPACING, 0.0, 0.0])
 
 

@@ -24,34 +24,38 @@ class Body:
 
     Attributes:
         name: Name.
-        material: Material.
+        materials: Its materials, the first that of all particles unless some were given another.
+        mat: Index into ``materials``, shape [n].
         x: Positions [m], shape [n, 3].
         v: Velocities [m/s], shape [n, 3].
         volume: Volume of each particle [m^dim], shape [n].
-        density: Initial density [kg/m^3].
+        density: Initial density [kg/m^3], shape [n].
         internal_energy: Initial specific internal energy [J/kg].
         fixed: Bits 1, 2, 4 where velocity component x, y, z is prescribed, shape [n].
+        eulerian: Where an adaptive scheme starts with Eulerian particles, shape [n], bool.
     """
 
     name: str
-    material: Material
+    materials: list[Material]
+    mat: np.ndarray
     x: np.ndarray
     v: np.ndarray
     volume: np.ndarray
-    density: float
+    density: np.ndarray
     internal_energy: float
     fixed: np.ndarray
+    eulerian: np.ndarray
 
     @property
     def mass(self) -> float:
         """Mass of the body [kg], per metre of thickness in 2D and per square metre in 1D."""
-        return float(self.density * self.volume.sum())
+        return float(self.density @ self.volume)
 
     def __len__(self) -> int:
         return len(self.x)
 
     def __repr__(self) -> str:
-        return f"Body({self.name!r}, {self.material.name}, {len(self)} particles, {self.mass:.6g} kg)"
+        return f"Body({self.name!r}, {self.materials[0].name}, {len(self)} particles, {self.mass:.6g} kg)"
 
 
 def given_points(name: str, points: object, spacing: float, dim: int) -> np.ndarray:

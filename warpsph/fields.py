@@ -14,26 +14,28 @@ class Field:
 
     Attributes:
         name: Symbol in kernels and on the state.
-        kind: ``int`` and ``real`` have shape [n], ``vec`` [n, 3], ``mat`` [n, 3, 3].
+        kind: ``int`` and ``real`` have shape [n], ``vec`` [n, 3], ``mat`` [n, 3, 3], ``parts`` [n, 4].
         unit: SI unit, ``"1"`` if dimensionless.
         title: Name in snapshots and on the command line.
         meaning: One line for people.
         output: Whether snapshots hold it (checkpoints hold every field).
+        group: Which runs have it: ``""`` all, ``"lagrangian"`` and ``"contact"`` those that need it.
     """
 
     name: str
-    kind: Literal["int", "real", "vec", "mat"]
+    kind: Literal["int", "real", "vec", "mat", "parts"]
     unit: str
     title: str
     meaning: str
     output: bool = True
+    group: Literal["", "lagrangian", "contact"] = ""
 
 
 FIELDS: tuple[Field, ...] = (
     Field("id", "int", "1", "id", "particle number, 0..n-1; never changes"),
     Field("body", "int", "1", "body", "index of the particle's body"),
     Field("mat", "int", "1", "material", "index of the particle's material"),
-    Field("kernel_type", "int", "1", "kernel_type", "0 Eulerian, 1 Total Lagrangian"),
+    Field("kernel_type", "int", "1", "kernel_type", "0 Eulerian, 1 Total Lagrangian, 2 eroded"),
     Field("fixed", "int", "1", "fixed", "bits 1, 2, 4: velocity component x, y, z is prescribed"),
     Field("x", "vec", "m", "position", "position"),
     Field("v", "vec", "m/s", "velocity", "velocity"),
@@ -68,8 +70,33 @@ FIELDS: tuple[Field, ...] = (
     Field("T", "real", "K", "temperature", "temperature, from plastic work alone"),
     Field("D", "real", "1", "damage", "damage: 0 intact, 1 failed"),
     Field("ep_rate", "real", "1/s", "plastic_strain_rate", "plastic strain rate of the last step", False),
+    Field(
+        "e_parts", "parts", "J/kg", "booked_energy", "turned into internal energy by viscosity, ...", False
+    ),
+    Field(
+        "X", "vec", "m", "reference_position", "position in the reference configuration", True, "lagrangian"
+    ),
+    Field("vol0", "real", "m^dim", "reference_volume", "volume in it", False, "lagrangian"),
+    Field("F", "mat", "1", "deformation_gradient", "deformation gradient dx/dX", True, "lagrangian"),
+    Field("ripe", "int", "1", "ripe", "1: about to convert", False, "lagrangian"),
+    Field("inverted", "int", "1", "inverted", "times its F was not physical, J <= 0", False, "lagrangian"),
+    Field(
+        "cover",
+        "real",
+        "1",
+        "contact_cover",
+        "largest share of its support in other bodies",
+        False,
+        "contact",
+    ),
+    Field("contact_rate", "real", "1/s^2", "contact_rate", "contact stiffness over mass", False, "contact"),
 )
 """Every quantity. A field is never renamed or reordered silently: old snapshots stay readable."""
 
 BY_NAME = {f.name: f for f in FIELDS}
 """The table by symbol."""
+
+
+def of_groups(groups: frozenset[str]) -> tuple[Field, ...]:
+    """The fields of a run with the given groups, in the order of the table."""
+    return tuple(f for f in FIELDS if not f.group or f.group in groups)

@@ -13,6 +13,7 @@ from . import __version__
 from .balance import Balance, energy
 from .clock import Reading
 from .errors import RunError
+from .kernels.parts import PARTS
 from .progress import Progress
 from .scene import SceneData
 from .solver import Solver
@@ -26,7 +27,7 @@ LEDGER_COLUMNS = (
     ("kinetic_energy", "J"), ("internal_energy", "J"),
     ("momentum_x", "N s"), ("momentum_y", "N s"), ("momentum_z", "N s"),
     ("angular_momentum_x", "N m s"), ("angular_momentum_y", "N m s"), ("angular_momentum_z", "N m s"),
-    ("work", "J"), ("pressure_max", "Pa"), ("speed_max", "m/s"), ("density_max", "kg/m^3"),
+    ("work", "J"), *((name, "J") for name in PARTS), ("pressure_max", "Pa"), ("speed_max", "m/s"), ("density_max", "kg/m^3"),
     ("internal_energy_max", "J/kg"),
 )  # fmt: skip
 """Columns of history.csv that come from the ledger as they are, with units."""
@@ -215,7 +216,7 @@ class Job:
             "neighbour_builds": self.solver.neighbours.builds,
             "energy_error": self.balance.energy_error, "momentum_error": self.balance.momentum_error,
             "angular_momentum_error": self.balance.angular_momentum_error,
-            "measures": self._measures(), "warnings": warnings, "version": __version__,
+            **self.solver.tally(), "measures": self._measures(), "warnings": warnings, "version": __version__,
         }  # fmt: skip
 
     def _frames(self, summary: dict[str, Any]) -> None:

@@ -115,20 +115,19 @@ class Launcher:
             dim: Number of threads.
             sources: Objects whose attributes supply arguments; the first that has the name wins.
             grain: Threads below which the launch is not cut further.
-            named: Arguments given here, before any source.
+            named: Arguments given here, before any source; a text is the name to look for instead.
 
         Raises:
             TypeError: An argument is missing, or belongs to another precision.
         """
         args = []
         for var, name in list(zip(kernel.adj.args, _names(kernel), strict=True))[1:]:
-            if name in named:
-                value = named[name]
-            else:
-                owner = next((src for src in sources if hasattr(src, name)), None)
+            value = named.get(name, name)
+            if isinstance(value, str):
+                owner = next((src for src in sources if hasattr(src, value)), None)
                 if owner is None:
-                    raise TypeError(f"{kernel.key}: no value for argument {name!r}")
-                value = getattr(owner, name)
+                    raise TypeError(f"{kernel.key}: no value for argument {value!r}")
+                value = getattr(owner, value)
             args.append(_checked(kernel, var, name, value))
         return Command(self, kernel, dim, args, grain)
 

@@ -1,19 +1,13 @@
-"""The current neighbour rows: built from a hash grid, kept as long as a Verlet skin allows."""
+"""Neighbour rows of present positions, rebuilt when particles have moved further than the Verlet skin allows."""
 
-import numpy as np
 import warp as wp
 
-from .errors import InputError, RunError
+from .errors import InputError
 from .kernels.neighbours import make_neighbours
 from .launch import Launcher
 from .particles import Particles
+from .rows import Rows
 from .tiles import Tiles
-
-GROWTH = 1.2
-"""Rows that no longer fit get this much more than they need."""
-
-CELLS = {1: (4096, 1, 1), 2: (256, 256, 1), 3: (64, 64, 64)}
-"""Cells of the hash grid; the grid wraps around, so a larger domain only costs a few more distance checks."""
 
 SORT_EVERY = 20
 """Particles are re-sorted in memory at every so many rebuilds."""
@@ -25,13 +19,18 @@ MAX_PARTICLES = 1 << 28
 class Neighbours:
     """Compressed rows of all pairs closer than the kernel's support plus the skin.
 
+    With Lagrangian particles only those near an Eulerian one or near another body have rows. Particles are then
+    sorted in memory once and for all: reference neighbours stay the same.
+
     Attributes:
         start: Row offsets, shape [n + 1], int32.
         n_neigh: Entries in use in each row, shape [n], int32.
-        neigh: Entries (particle index and mirror bits), shape [capacity], int32; grows, never truncates.
+        neigh: Entries, see `warpsph.rows.Rows`.
         near: The entries within the support, as the force loop of a step leaves them, row by row like ``neigh``.
         slope: (dW/dr)/r of those [1/m^(dim+2)].
         n_near: Their number in each row, shape [n], int32.
+        role: 0: no row; 1: a row; 2: its tile may have Eulerian particles, shape [n], int32 (1 long if all have rows).
+        unlisted: 1: a particle converted whose neighbours have no rows, shape [1], int32.
         x_listed: Positions at the last build [m], shape [n, 3].
         tiles: Tells when the rows are worn out.
         support: Reach of the smoothing kernel [m].
@@ -43,9 +42,28 @@ class Neighbours:
     """
 
     def __init__(
-        self, particles: Particles, launcher: Launcher, planes, *, spacing: float, support: float, skin: float
+        self,
+        particles: Particles,
+        launcher: Launcher,
+        planes,
+        *,
+        spacing: float,
+        support: float,
+        skin: float,
+        selective: bool = False,
+        searching: bool = True,
     ):
         """Allocate for particles that interact within ``support`` [m]; ``skin`` [m] is added.
+
+        Args:
+            particles: The particles.
+            launcher: The device.
+            planes: Symmetry planes as (axis, position [m]).
+            spacing: Particle spacing [m].
+            support: Reach of the smoothing kernel [m].
+            skin: Verlet skin [m].
+            selective: There are Lagrangian particles.
+            searching: Rows are needed at all: a single Lagrangian body needs none.
 
         Raises:
             InputError: There are more particles than an entry can name.
@@ -54,76 +72,71 @@ class Neighbours:
         if n > MAX_PARTICLES:
             raise InputError(f"particles = {n} is out of range; allowed: up to {MAX_PARTICLES} on one device")
         self._particles, self._launcher = particles, launcher
-        self.tiles = Tiles(particles, launcher, spacing)
+        self._selective, self._searching = selective, searching
+        self.tiles = Tiles(particles, launcher, spacing, selective)
         self.support, self.radius = support, support + skin
         self.plane = spec.vec(*(dict(planes).get(axis, 0.0) for axis in range(3)))
         self.plane_mask = sum(1 << axis for axis, _ in planes)
-        self._kernels = make_neighbours(spec, bool(planes))
+        self._kernels = make_neighbours(spec, bool(planes), selective=selective)
+        self._rows = Rows(n, spec.dim, spec.real, self._kernels, launcher)
         with wp.ScopedDevice(launcher.device):
-            self._grid = wp.HashGrid(*CELLS[spec.dim], dtype=spec.real)
-            self._room = wp.zeros(n + 1, dtype=wp.int32)  # the last stays 0: the scan ends in the total
-            self._overflow = wp.zeros(1, dtype=wp.int32)
-            self.n_neigh = wp.zeros(n, dtype=wp.int32)
             self._order = wp.zeros(n, dtype=wp.int32)
-            self.start = wp.zeros(n + 1, dtype=wp.int32)
+            self.role = wp.zeros(n if selective else 1, dtype=wp.int32)
+            self.unlisted = wp.zeros(1, dtype=wp.int32)
             self.n_near = wp.zeros(n, dtype=wp.int32)
             self.x_listed = wp.zeros(n, dtype=spec.vec)
-        self._allocate(1)
+        self._follow_rows()
         self.builds, self.generation = 0, 0
 
-    def build(self) -> None:
-        """Rebuild the rows, and re-sort the particles in memory first when it is time to.
+    @property
+    def start(self) -> wp.array:
+        """Row offsets, shape [n + 1], int32."""
+        return self._rows.start
 
-        Reading one flag back is the only synchronisation: rows keep their place as long as all of them have room.
-        """
+    @property
+    def n_neigh(self) -> wp.array:
+        """Entries in use in each row, shape [n], int32."""
+        return self._rows.n_neigh
+
+    @property
+    def neigh(self) -> wp.array:
+        """Entries, shape [capacity], int32."""
+        return self._rows.neigh
+
+    def build(self) -> None:
+        """Rebuild the rows, and re-sort the particles in memory first when it is time to."""
         p = self._particles
-        self._grid.build(p.x, self.radius)
-        if self.builds % SORT_EVERY == 0:
-            self._launcher.launch(self._kernels.cell_order, p.n, grid=self._grid, order=self._order)
+        if self.builds > 0 and not self._searching:
+            return
+        self._rows.grid.build(p.x, self.radius)
+        if self.builds == 0 or (self.builds % SORT_EVERY == 0 and not self._selective):
+            self._launcher.launch(self._kernels.cell_order, p.n, grid=self._rows.grid, order=self._order)
             p.reorder(self._order)
-            self._grid.build(p.x, self.radius)
-        self._fill(self.radius)
-        if self._overflow.numpy()[0]:
-            self._enlarge()
-            self._fill(self.radius)
-        wp.copy(self.x_listed, p.x)
-        self.tiles.build(self.plane, self.plane_mask)
+            self._rows.grid.build(p.x, self.radius)
         self.builds += 1
+        if not self._searching:
+            return
+        self.tiles.build(self)
+        self._fill(self.radius)
+        wp.copy(self.x_listed, p.x)
+        self.unlisted.zero_()
 
     def _fill(self, radius: float) -> None:
-        self._overflow.zero_()
-        self._launcher.launch(
-            self._kernels.fill, self._particles.n, self, self._particles,
-            grid=self._grid, radius=radius, overflow=self._overflow,
-        )  # fmt: skip
-
-    def _enlarge(self) -> None:
-        """Make room for what the last filling counted.
-
-        Raises:
-            RunError: Offsets no longer fit into 32 bits.
-        """
-        n = self._particles.n
-        self._launcher.launch(self._kernels.reserve, n, self, room=self._room)
-        wp.utils.array_scan(self._room, self.start, inclusive=False)
-        total = int(self.start[n:].numpy()[0])
-        if total < 0:
-            raise RunError(f"the neighbour rows of {n} particles need more than {2**31 - 1} entries")
-        if total > self.neigh.size:
-            self._allocate(int(GROWTH * total))
+        if self._rows.fill(self, self._particles, radius=radius):
+            self._follow_rows()
             self.generation += 1
 
-    def _allocate(self, capacity: int) -> None:
+    def _follow_rows(self) -> None:
+        """Give the copies of the rows that a step makes the same capacity."""
         with wp.ScopedDevice(self._launcher.device):
-            self.neigh = wp.empty(capacity, dtype=wp.int32)
-            self.near = wp.empty(capacity, dtype=wp.int32)
-            self.slope = wp.empty(capacity, dtype=self._particles.spec.real)
+            self.near = wp.empty(self.neigh.size, dtype=wp.int32)
+            self.slope = wp.empty(self.neigh.size, dtype=self._particles.spec.real)
 
     def mean_count(self) -> float:
         """Mean number of neighbours within the kernel's support now, the particle itself left out.
 
         Leaves rows without skin behind: build again before the next step.
         """
-        self._grid.build(self._particles.x, self.radius)
+        self._rows.grid.build(self._particles.x, self.radius)
         self._fill(self.support)
-        return float(np.mean(self.n_neigh.numpy()))
+        return self._rows.mean_count()

@@ -62,6 +62,7 @@ class SceneData:
         body: Index into ``bodies``, shape [n], int32.
         mat: Index into ``materials``, shape [n], int32.
         fixed: Bits 1, 2, 4 where velocity component x, y, z is prescribed, shape [n], int32.
+        eulerian: Where an adaptive scheme starts with Eulerian particles, shape [n], bool.
         bodies: Body names.
         materials: Materials, each once.
         planes: Symmetry planes as (axis 0, 1 or 2, position [m]); all particles lie on one side of each.
@@ -83,6 +84,7 @@ class SceneData:
     body: np.ndarray
     mat: np.ndarray
     fixed: np.ndarray
+    eulerian: np.ndarray
     bodies: list[str]
     materials: list[Material]
     planes: tuple[tuple[int, float], ...]
@@ -193,17 +195,58 @@ class Scene:
         material = self._material(name, material)
         self.bodies[name] = added = Body(
             name=name,
-            material=material,
+            materials=[material],
+            mat=np.zeros(len(x), dtype=np.int32),
             x=x,
             v=initial_velocity(name, velocity, x, self.dim),
             volume=particle_volume(name, cell if volume is None else volume, len(x)),
-            density=material.density
-            if density is None
-            else checks.positive(f"density of body {name!r}", density),
+            density=np.full(len(x), self._density(name, material, density)),
             internal_energy=checks.number(f"internal_energy of body {name!r}", internal_energy),
             fixed=np.zeros(len(x), dtype=np.int32),
+            eulerian=np.zeros(len(x), dtype=bool),
         )
         return added
+
+    def set_material(
+        self,
+        body: str,
+        material: Material | str,
+        where: Shape | Callable[[np.ndarray], np.ndarray] | np.ndarray,
+        *,
+        density: float | None = None,
+    ) -> None:
+        """Give some particles of a body another material: an inlay that is bonded to the rest.
+
+        Args:
+            body: Name of the body.
+            material: Material, or the name of one in the library.
+            where: Which of its particles, as in `fix`.
+            density: Their initial density [kg/m^3]; default the material's. They keep their volume.
+
+        Raises:
+            InputError: If a value is not allowed, or no particle is selected.
+        """
+        found, chosen = self._chosen("set_material", body, where)
+        material = self._material(body, material)
+        if material not in found.materials:
+            found.materials.append(material)
+        found.mat[chosen] = found.materials.index(material)
+        found.density[chosen] = self._density(body, material, density)
+
+    def make_eulerian(
+        self, body: str, where: Shape | Callable[[np.ndarray], np.ndarray] | np.ndarray | None = None
+    ) -> None:
+        """Start an adaptive scheme with Eulerian particles in a region; all others are Total Lagrangian.
+
+        Args:
+            body: Name of the body.
+            where: Which of its particles, as in `fix`; default all.
+
+        Raises:
+            InputError: If there is no such body, or no particle is selected.
+        """
+        found, chosen = self._chosen("make_eulerian", body, where)
+        found.eulerian[chosen] = True
 
     def fix(
         self,
@@ -223,22 +266,13 @@ class Scene:
         Raises:
             InputError: If there is no such body, no such component, or no particle is selected.
         """
-        if body not in self.bodies:
-            raise checks.refuse(
-                "body to fix", body, ", ".join(self.bodies) or "none, for the scene has no bodies yet"
-            )
         letters = components if isinstance(components, str) else ""
         bits = sum(1 << axis for axis, letter in enumerate("xyz"[: self.dim]) if letter in letters)
         if not bits or not set(letters) <= set("xyz"):
             raise checks.refuse(
                 f"components of body {body!r} to fix", components, f"letters of {'xyz'[: self.dim]}"
             )
-        found = self.bodies[body]
-        chosen = self._selection(found, where)
-        if not chosen.any():
-            raise InputError(
-                f"fix of body {body!r} selects none of its {len(found)} particles; allowed: at least one"
-            )
+        found, chosen = self._chosen("fix", body, where)
         found.fixed[chosen] |= bits
 
     def add_symmetry_plane(self, axis: Literal["x", "y", "z"], position: float = 0.0) -> None:
@@ -293,8 +327,8 @@ class Scene:
             raise InputError(f"scene {self.name!r} has no bodies; allowed: at least one, by add_body")
         parts = list(self.bodies.values())
         lengths = [len(b) for b in parts]
-        used = _distinct([b.material for b in parts])
-        rho = np.repeat([b.density for b in parts], lengths)
+        used = _distinct([material for b in parts for material in b.materials])
+        rho = np.concatenate([b.density for b in parts])
         data = SceneData(
             name=self.name, dim=self.dim, spacing=self.spacing, h=self.numerics.smoothing_ratio * self.spacing,
             numerics=self.numerics, until=self.until, snapshots=self.snapshots,
@@ -304,8 +338,9 @@ class Scene:
             rho=rho,
             e=np.repeat([b.internal_energy for b in parts], lengths),
             body=np.repeat(np.arange(len(parts), dtype=np.int32), lengths),
-            mat=np.repeat(np.array([used.index(b.material) for b in parts], dtype=np.int32), lengths),
+            mat=np.concatenate([np.array(list(map(used.index, b.materials)), dtype=np.int32)[b.mat] for b in parts]),
             fixed=np.concatenate([b.fixed for b in parts]),
+            eulerian=np.concatenate([b.eulerian for b in parts]),
             bodies=list(self.bodies), materials=used, planes=tuple(self.planes), measures=dict(self.measures),
         )  # fmt: skip
         _check_distances(data)
@@ -337,7 +372,29 @@ class Scene:
             raise checks.refuse(f"material of body {name!r}", material, "a Material or the name of one")
         return material
 
-    def _selection(self, body: Body, where: Shape | Callable | np.ndarray | None) -> np.ndarray:
+    def _density(self, name: str, material: Material, density: float | None) -> float:
+        return material.density if density is None else checks.positive(f"density of body {name!r}", density)
+
+    def _chosen(
+        self, act: str, body: str, where: Shape | Callable | np.ndarray | None
+    ) -> tuple[Body, np.ndarray]:
+        """The body of that name, and the mask of its particles that are meant, shape [n].
+
+        Raises:
+            InputError: If there is no such body, or no particle is meant.
+        """
+        if body not in self.bodies:
+            allowed = ", ".join(self.bodies) or "none, for the scene has no bodies yet"
+            raise checks.refuse(f"body to {act}", body, allowed)
+        found = self.bodies[body]
+        chosen = self._selection(act, found, where)
+        if not chosen.any():
+            raise InputError(
+                f"{act} of body {body!r} selects none of its {len(found)} particles; allowed: at least one"
+            )
+        return found, chosen
+
+    def _selection(self, act: str, body: Body, where: Shape | Callable | np.ndarray | None) -> np.ndarray:
         """Mask of the particles of a body that are meant, shape [n]."""
         if where is None:
             return np.ones(len(body), dtype=bool)
@@ -346,7 +403,7 @@ class Scene:
         mask = np.asarray(where(body.x.copy()) if callable(where) else where)
         if mask.dtype != bool or mask.shape != (len(body),):
             raise InputError(
-                f"fix of body {body.name!r}: where gives {mask.dtype} of shape {mask.shape}; allowed: bool, ({len(body)},)"
+                f"{act} of body {body.name!r}: where gives {mask.dtype} of shape {mask.shape}; allowed: bool, ({len(body)},)"
             )
         return mask
 

@@ -9,15 +9,26 @@ import warp as wp
 
 from .blocks import Blocks
 from .clock import Clock, Reading
+from .contact import contact_constants
 from .errors import InputError, RunError
-from .fields import FIELDS
+from .kernels.kernel_type import ERODED, EULERIAN, LAGRANGIAN
 from .kernels.ledger import MAXIMA, SUMS, make_ledger
 from .kernels.spec import Spec
-from .kernels.timestep import ACCELERATION_CFL, COLLAPSED, NON_FINITE, RUNNING, STALE, VISCOUS_SHARE
+from .kernels.timestep import (
+    ACCELERATION_CFL,
+    COLLAPSED,
+    INSIDE_OUT,
+    NON_FINITE,
+    RUNNING,
+    STALE,
+    VISCOUS_SHARE,
+)
 from .launch import SMALLEST_BLOCK_SLICE, SMALLEST_SLICE, Command, Launcher
 from .materials import pack
 from .neighbours import Neighbours
 from .particles import Particles
+from .penetration import interpenetration
+from .reference import Reference
 from .scene import SceneData
 from .schemes.factory import make_scheme
 from .state import State
@@ -55,7 +66,7 @@ class Solver:
         self._spec = Spec(data.dim, PRECISIONS[precision])
         h = data.h
         self._scheme = make_scheme(data, self._spec)
-        self.particles = Particles(data, self._spec, self.launcher)
+        self.particles = Particles(data, self._spec, self.launcher, self._scheme.groups)
         self._blocks = Blocks(self.particles.n, self.launcher.device.is_cuda)
         self._clock = Clock(self._spec, self.launcher, self._blocks)
         self.neighbours = Neighbours(
@@ -65,7 +76,10 @@ class Solver:
             spacing=data.spacing,
             support=self._scheme.support * h,
             skin=data.numerics.skin * h,
+            selective="lagrangian" in self._scheme.groups,
+            searching=self._scheme.searching,
         )
+        self.reference = self._find_reference()
         self._constants = SimpleNamespace(h=h, spacing=data.spacing, cfl=data.numerics.cfl)
         self._work = self._allocate_work()
         self._ledger = make_ledger(self._spec)
@@ -75,29 +89,46 @@ class Solver:
         self._initialise()
         self.reading = self._clock.read()
 
+    def _find_reference(self) -> Reference | None:
+        """Give the scheme its reference neighbours, if it has Lagrangian particles."""
+        if "lagrangian" not in self._scheme.groups:
+            return None
+        s = self._scheme
+        s.reference = Reference(
+            self.particles, self.launcher, self.neighbours, s.smoothing, s.reference_correction
+        )
+        return s.reference
+
     def _allocate_work(self) -> SimpleNamespace:
         """Arrays that live from one launch to the next but are no state."""
         with wp.ScopedDevice(self.launcher.device):
+            modulus, scale = contact_constants(self.data)
+            young = [material.young_modulus for material in self.data.materials]
             return SimpleNamespace(
+                stiffness=wp.array(young, dtype=self._spec.real),
+                contact_modulus=wp.array(modulus, dtype=self._spec.real),
+                contact_scale=scale,
                 materials=pack(self.data.materials, self._spec, self.launcher.device),
                 partial=wp.zeros((self._blocks.count, len(SUMS) + len(MAXIMA)), dtype=wp.float64),
                 **self._scheme.arrays(self.particles.n),
             )
 
-    def _bind(self, kernel, blocks: int | None = None) -> Command:
-        """Bind a launch over all particles, or over ``blocks`` of them, to the solver's arrays."""
+    def _bind(self, kernel, blocks: int | None = None, **named: object) -> Command:
+        """Bind a launch over all particles, or over ``blocks`` threads, to the solver's arrays."""
         return self.launcher.bind(
             kernel, blocks or self.particles.n,
-            self.particles, self._work, self.neighbours, self.neighbours.tiles,
+            self.particles, self._work, self.neighbours, self.neighbours.tiles, self.reference,
             self._clock, self._blocks, self._constants, self._scheme,
-            grain=SMALLEST_BLOCK_SLICE if blocks else SMALLEST_SLICE,
+            grain=SMALLEST_BLOCK_SLICE if blocks else SMALLEST_SLICE, **named,
         )  # fmt: skip
 
     def _initialise(self) -> None:
         """Make the dependent fields agree with the scene; the first step then starts from a whole state."""
         self.particles.av_switch.fill_(self._scheme.first_switch)
-        self._run_still(self._scheme.settle(self._bind) + self._scheme.derive(self._bind))
         self.neighbours.build()
+        if self.reference is not None:
+            self.reference.build()
+        self._run_still(self._scheme.settle(self._bind) + self._scheme.derive(self._bind))
         self._run_still(self._scheme.probe(self._bind))
 
     def _run_still(self, commands: list[Command]) -> None:
@@ -117,7 +148,12 @@ class Solver:
         self._run_steps(1)
 
     def mean_neighbours(self) -> float:
-        """Mean number of neighbours within the kernel's support, the particle itself left out."""
+        """Mean number of neighbours within the kernel's support, the particle itself left out.
+
+        With Lagrangian particles that is the number of reference neighbours.
+        """
+        if self.reference is not None:
+            return self.reference.mean_count
         mean = self.neighbours.mean_count()
         self.neighbours.build()
         return mean
@@ -145,7 +181,7 @@ class Solver:
                 break
             batch = self._predict(before, now)
         self.reading = now
-        if now.status in (COLLAPSED, NON_FINITE):
+        if now.status in (COLLAPSED, NON_FINITE, INSIDE_OUT):
             raise RunError(self._trouble(now))
 
     def _bind_step(self) -> None:
@@ -185,6 +221,26 @@ class Solver:
         maxima = {name: float(partial[:, len(SUMS) + k].max()) for k, name in enumerate(MAXIMA)}
         return sums | maxima
 
+    def tally(self) -> dict[str, float]:
+        """What became of Lagrangian particles, and how deep bodies are in each other; only what the run has.
+
+        ``converted_share``: share of all particles that have turned Eulerian; ``eroded``: particles that have left all
+        lists; ``inverted``: how often a deformation gradient was not physical; ``interpenetration``: the deepest so
+        far, in spacings (`warpsph.penetration`).
+        """
+        p, data, found = self.particles, self.data, {}
+        if self.reference is not None:
+            kernel_type = p.kernel_type.numpy()
+            converted = int((kernel_type == EULERIAN).sum()) - int(data.eulerian.sum())
+            found |= {"converted_share": converted / p.n, "eroded": int((kernel_type == ERODED).sum())}
+            found["inverted"] = int(p.inverted.numpy().sum())
+        if data.numerics.contact is not None:
+            cover = float(p.cover.numpy().max())
+            found["interpenetration"] = interpenetration(
+                cover, data.numerics.kernel, data.dim, data.h, data.spacing
+            )
+        return found
+
     def state(self) -> State:
         """Copy the particles to the host, in id order."""
         return self.particles.state(self.reading.time, self.reading.steps)
@@ -202,7 +258,7 @@ class Solver:
         Raises:
             InputError: The checkpoint is of another number of particles or precision, or lacks a field.
         """
-        missing = [f.name for f in FIELDS if f.name not in arrays]
+        missing = [f.name for f in self.particles.fields if f.name not in arrays]
         if missing:
             raise InputError(
                 f"checkpoint lacks {', '.join(missing)}; allowed: one of this version of warpsph (start the run anew)"
@@ -216,6 +272,9 @@ class Solver:
         self._clock.clock.assign(arrays["clock"])
         self._clock.count.assign(arrays["count"])
         self.neighbours.builds = info["builds"]
+        if self.reference is not None:
+            self.reference.build()
+        self._bound = -1  # arrays may have moved in memory
         self._run_still(self._scheme.derive(self._bind))
         self.reading = self._clock.read()
 
@@ -234,6 +293,9 @@ class Solver:
                 if mask[i]
             ]
             cause = f"{', '.join(which)} not finite"
+        elif now.status == INSIDE_OUT:
+            i = int(np.argmax((p["inverted"] > 0) & (p["kernel_type"] == LAGRANGIAN)))
+            cause = "turned over, det F <= 0: too distorted for a Total Lagrangian particle"
         else:
             speed = p["cl"] + VISCOUS_SHARE * p["av_switch"] * (
                 self._scheme.viscosity_alpha * p["cs"] + self._scheme.viscosity_beta * p["mu"]

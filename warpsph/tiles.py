@@ -26,11 +26,17 @@ class Tiles:
         moved_low: Lower bounds of the displacements since then [m].
         moved_high: Upper bounds of the displacements since then [m].
         tile_wear: Share of the allowed approach used up; see `kernels.tiles`.
+        active: 1: the tile may have Eulerian particles (with Lagrangian ones elsewhere; else 1 long, as the next three).
+        body_first: Lowest body in the tile.
+        body_last: Highest body in the tile.
+        tile_role: Role of the tile's particles.
     """
 
-    def __init__(self, particles: Particles, launcher: Launcher, spacing: float):
+    def __init__(self, particles: Particles, launcher: Launcher, spacing: float, selective: bool = False):
+        """Allocate; ``selective``: there are Lagrangian particles."""
         n, spec = particles.n, particles.spec
-        self._particles, self._launcher, self._kernels = particles, launcher, make_tiles(spec)
+        self._particles, self._launcher, self._selective = particles, launcher, selective
+        self._kernels = make_tiles(spec, selective)
         self.most = MOST_CUDA if launcher.device.is_cuda else MOST_CPU
         per_tile = max(PER_TILE, 4 * n // self.most)
         self._width = spacing * per_tile ** (1.0 / spec.dim)
@@ -46,9 +52,19 @@ class Tiles:
             self.moved_low = wp.zeros(self.most, dtype=spec.vec)
             self.moved_high = wp.zeros(self.most, dtype=spec.vec)
             self.tile_wear = wp.zeros(self.most, dtype=spec.real)
+            told = self.most if selective else 1
+            self.active = wp.zeros(told, dtype=wp.int32)
+            self.body_first = wp.zeros(told, dtype=wp.int32)
+            self.body_last = wp.zeros(told, dtype=wp.int32)
+            self.tile_role = wp.zeros(told, dtype=wp.int32)
 
-    def build(self, plane, plane_mask: int) -> None:
-        """Sort the particles into tiles; tiles grow until there are no more than ``most``."""
+    def build(self, rows: object) -> None:
+        """Sort the particles into tiles; tiles grow until there are no more than ``most``.
+
+        Args:
+            rows: What knows the symmetry planes (``plane``, ``plane_mask``), the rows' reach (``radius``), and
+                takes the particles' ``role``.
+        """
         p, k, launch, n = self._particles, self._kernels, self._launcher.launch, self._particles.n
         while True:
             launch(k.keys, n, p, width=self._width, key=self._key, member=self.member)
@@ -59,4 +75,7 @@ class Tiles:
             if int(self.n_tiles.numpy()[0]) <= self.most:
                 break
             self._width *= 1.5
-        launch(k.boxes, self.most, self, p, plane=plane, plane_mask=plane_mask)
+        launch(k.boxes, self.most, self, p, rows)
+        if self._selective:
+            launch(k.contents, self.most, self, p)
+            launch(k.roles, self.most, self, rows)

@@ -1,6 +1,7 @@
 """Damage laws: how much plastic strain a material bears before it fails."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 from warpsph.errors import InputError
 from warpsph.kernels.material import DamageId
@@ -17,6 +18,9 @@ class JohnsonCookDamage(Damage):
     """Strain to failure by triaxiality σ* = -p/q (tension positive), plastic strain rate and temperature.
 
     ε̇0 and T* are those of the Johnson-Cook strength that the material must have. ε_f never falls below 1e-6.
+
+    Attributes:
+        carries: What a failed particle, D = 1, still carries: ``"all"``, or ``"compression"``: neither shear nor tension.
     """
 
     id = DamageId.JOHNSON_COOK
@@ -29,6 +33,7 @@ class JohnsonCookDamage(Damage):
     D3: float = constant("1", "exponent of σ*, negative where tension embrittles", "any finite number", 0.0)
     D4: float = constant("1", "rate coefficient", "any finite number", 0.0)
     D5: float = constant("1", "coefficient of T*", "any finite number", 0.0)
+    carries: Literal["all", "compression"] = "all"
 
     def __post_init__(self):
         """Check every constant, and that pure shear bears some strain.
@@ -37,6 +42,10 @@ class JohnsonCookDamage(Damage):
             InputError: Naming the constant, its value and what is allowed.
         """
         super().__post_init__()
+        if self.carries not in ("all", "compression"):
+            raise InputError(
+                f"JohnsonCookDamage: carries = {self.carries!r} is not allowed; allowed: all, compression"
+            )
         if self.D1 + self.D2 <= 0.0:
             raise InputError(
                 f"JohnsonCookDamage: D1 = {self.D1:g} does not fit D2 = {self.D2:g}; allowed: D1 + D2 above 0"

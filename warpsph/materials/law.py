@@ -2,7 +2,7 @@
 
 import math
 import numbers
-from dataclasses import dataclass, field, fields
+from dataclasses import Field, dataclass, field, fields
 from typing import Any, ClassVar
 
 from warpsph.errors import InputError
@@ -72,25 +72,30 @@ class Law:
         Raises:
             InputError: Naming the constant, its value and what is allowed.
         """
-        for f in fields(self):
+        for f in _constants(self):
             value = number(type(self).__name__, f.name, getattr(self, f.name), f.metadata["allowed"])
             object.__setattr__(self, f.name, value)
 
     @property
     def constants(self) -> dict[str, float]:
         """The constants by their letters, SI units."""
-        return {f.name: getattr(self, f.name) for f in fields(self)}
+        return {f.name: getattr(self, f.name) for f in _constants(self)}
 
     @property
     def row(self) -> dict[str, float]:
         """The constants by their names in the device's table, where another quantity may have the letter."""
-        return {f.metadata["row"] or f.name: getattr(self, f.name) for f in fields(self)}
+        return {f.metadata["row"] or f.name: getattr(self, f.name) for f in _constants(self)}
 
     def describe(self) -> str:
         """Give the law, its equation and a line for each constant."""
         lines = [f"{self.title}: {self.equation}  ({self.reference})"]
-        for f in fields(self):
+        for f in _constants(self):
             lines.append(
                 f"  {f.name:<9} {getattr(self, f.name):<12.6g} {f.metadata['unit']:<7} {f.metadata['meaning']}"
             )
         return "\n".join(lines)
+
+
+def _constants(law: Law) -> list[Field]:
+    """The fields of a law that are constants."""
+    return [f for f in fields(law) if "unit" in f.metadata]

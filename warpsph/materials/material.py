@@ -110,10 +110,21 @@ class Material:
 
     @property
     def tension_lost(self) -> float:
-        """Damage from which on it bears no tension: 0 for a gas, 1 for a ceramic, never (inf) for a metal."""
+        """Damage from which on it bears no tension: 0 for a gas, 1 for a ceramic, never (inf) for most metals."""
         if isinstance(self.eos, IdealGas) or self.pressure_cutoff >= 0.0:
             return 0.0
-        return 1.0 if self.damage_id == DamageId.JOHNSON_HOLMQUIST_1 else math.inf
+        return 1.0 if self.damage_id == DamageId.JOHNSON_HOLMQUIST_1 else self.strength_lost
+
+    @property
+    def strength_lost(self) -> float:
+        """Damage from which on a metal bears no shear: 1 where failed particles carry compression only, else inf."""
+        return 1.0 if self.damage is not None and self.damage.carries == "compression" else math.inf
+
+    @property
+    def young_modulus(self) -> float:
+        """Young's modulus 9 K G/(3 K + G) at rest [Pa]; 0 for a fluid."""
+        K, G = self.density * self.bulk_speed**2, self.shear_modulus
+        return 9.0 * K * G / (3.0 * K + G) if G > 0.0 else 0.0
 
     @property
     def damage_id(self) -> DamageId:
@@ -176,7 +187,7 @@ def _row(row: type, material: Material) -> Any:
     if isinstance(material.eos, IdealGas):
         out.p_min = max(material.pressure_cutoff, 0.0)  # a gas bears no tension
     out.c_min = _SPEED_FLOOR * material.bulk_speed or _GAS_SPEED_FLOOR
-    out.D_tension = material.tension_lost
+    out.D_tension, out.D_shear = material.tension_lost, material.strength_lost
     out.A_shock = max(material.eos.shock_slope(material.density), _SHOCK_SLOPE_FLOOR)
     for law in (material.eos, material.strength, material.damage):
         for name, value in (law.row if law is not None else {}).items():

@@ -45,7 +45,26 @@ class GodunovSettings:
     exact_energy: bool = True
 
 
-Settings = EulerianSettings | GodunovSettings
+@dataclass(frozen=True)
+class LagrangianSettings:
+    """Compile-time and run-time choices of the Total Lagrangian and of the coupled schemes (method sections 4 and 5).
+
+    Attributes:
+        eulerian: The scheme of Eulerian particles; None if there are none.
+        correction: Mixed correction in the reference configuration (section 2).
+        alpha: Linear coefficient of the artificial viscosity.
+        beta: Quadratic coefficient.
+        gradient_ratio: ``Cf`` of the correction's limiter.
+    """
+
+    eulerian: EulerianSettings | None = None
+    correction: bool = True
+    alpha: float = 1.0
+    beta: float = 2.0
+    gradient_ratio: float = 7.5
+
+
+Settings = EulerianSettings | GodunovSettings | LagrangianSettings
 """Settings of a scheme of any family."""
 
 
@@ -83,5 +102,21 @@ def _connolly() -> dict[str, Settings]:
     return table
 
 
-SCHEMES: dict[str, Settings] = _variants() | _connolly()
+def _young() -> dict[str, Settings]:
+    """Total Lagrangian schemes, and those coupled with Eulerian particles (Young et al.)."""
+    table: dict[str, Settings] = {
+        "tl": LagrangianSettings(),
+        "tl-plain": LagrangianSettings(correction=False),
+    }
+    sav1 = {name: settings for name, settings in _variants().items() if name.split("-")[0] == "sav1"}
+    for name, eulerian in sav1.items():
+        variant = name.removeprefix("sav1")
+        ratio = eulerian.gradient_ratio
+        table[f"adaptle{variant}"] = LagrangianSettings(eulerian, gradient_ratio=ratio)
+        if not eulerian.correction:
+            table[f"adaptle-plain{variant}"] = LagrangianSettings(eulerian, correction=False)
+    return table
+
+
+SCHEMES: dict[str, Settings] = _variants() | _connolly() | _young()
 """Settings of every scheme by its name on the command line."""

@@ -4,14 +4,21 @@ import warp as wp
 
 from warpsph.config import Numerics
 from warpsph.kernels.artificial_stress import make_artificial_stress
+from warpsph.kernels.coupling import Coupling
 from warpsph.kernels.kinematics import make_kinematics
 from warpsph.kernels.momentum_eulerian import PairTerms, make_momentum
 from warpsph.kernels.spec import Spec
 from warpsph.kernels.viscosity import MORRIS_MIN, make_switches
 from warpsph.launch import Command
 
-from . import EulerianSettings
+from . import EulerianSettings, LagrangianSettings
 from .scheme import Bind, Scheme, bound
+
+
+def viscosity(settings: EulerianSettings | LagrangianSettings, numerics: Numerics) -> tuple[float, float]:
+    """α and β of the artificial viscosity: the scene's, or else the scheme's own."""
+    alpha, beta = numerics.viscosity_alpha, numerics.viscosity_beta
+    return settings.alpha if alpha is None else alpha, settings.beta if beta is None else beta
 
 
 class Eulerian(Scheme):
@@ -22,14 +29,14 @@ class Eulerian(Scheme):
         s = settings
         super().__init__(
             spec, numerics, correction=s.correction, gradient_ratio=s.gradient_ratio,
-            exact_energy=s.exact_energy, planes=planes,
+            exact_energy=s.exact_energy, parts=True, planes=planes,
         )  # fmt: skip
-        self.viscosity_alpha, self.viscosity_beta = s.alpha, s.beta
+        self.viscosity_alpha, self.viscosity_beta = viscosity(s, numerics)
         self.first_switch = MORRIS_MIN if s.viscosity == "morris" else 1.0
-        switched = s.viscosity != "monaghan"
-        terms = PairTerms(s.correction, switched, s.artificial_stress, planes)
-        self._momentum = make_momentum(spec, self._smoothing, terms)
-        self._velocity_gradient = make_kinematics(spec, self._smoothing, s.correction, planes)
+        switched, coupling = s.viscosity != "monaghan", Coupling(separate=numerics.contact is not None)
+        terms = PairTerms(s.correction, switched, s.artificial_stress, planes, coupling)
+        self._momentum = make_momentum(spec, self.smoothing, terms)
+        self._velocity_gradient = make_kinematics(spec, self.smoothing, s.correction, planes)
         self._switch = getattr(make_switches(spec), s.viscosity) if switched else None
         self._artificial_stress = make_artificial_stress(spec) if s.artificial_stress else None
 
@@ -40,7 +47,7 @@ class Eulerian(Scheme):
 
     def probe(self, bind: Bind) -> list[Command]:
         """Forces and approach speeds."""
-        return bound(bind, self._correction, self._momentum)
+        return bound(bind, self._correction, self._momentum, self._contact)
 
     def derive(self, bind: Bind) -> list[Command]:
         """R from σ."""
@@ -52,6 +59,7 @@ class Eulerian(Scheme):
             bind,
             self._correction,  # S, G, K at x
             self._momentum,  # A and B from σ at x
+            self._contact,  # and from other bodies
             self._integrate.kick,  # v' = v + dt A, e' exact in energy
             self._velocity_gradient,  # L from v' at x
             self._switch,  # BAL, MON

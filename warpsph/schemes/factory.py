@@ -9,9 +9,12 @@ from warpsph.errors import InputError
 from warpsph.kernels.spec import Spec
 from warpsph.scene import SceneData
 
-from . import SCHEMES, EulerianSettings, GodunovSettings
+from . import SCHEMES, EulerianSettings, GodunovSettings, LagrangianSettings
+from .adaptive import Adaptive
+from .checks import check_eulerian, check_lagrangian, check_radius
 from .eulerian import Eulerian
 from .godunov import ParshikovMedin, TimeSplit
+from .lagrangian import TotalLagrangian
 from .scheme import Scheme
 
 
@@ -21,13 +24,20 @@ def make_scheme(data: SceneData, spec: Spec) -> Scheme:
     Raises:
         InputError: If the scheme cannot serve the scene; says what is missing.
     """
-    if isinstance(SCHEMES[data.numerics.scheme], GodunovSettings):
+    settings = SCHEMES[data.numerics.scheme]
+    if isinstance(settings, GodunovSettings):
         _check_godunov(data)
+    if isinstance(settings, LagrangianSettings):
+        check_lagrangian(data, settings)
+    else:
+        check_eulerian(data)
     fragile = any(material.tension_lost < math.inf for material in data.materials)
-    return make_family(spec, data.numerics, bool(data.planes), fragile)
+    scheme = make_family(spec, data.numerics, bool(data.planes), fragile, len(data.bodies) == 1)
+    check_radius(data, scheme.support * data.h)
+    return scheme
 
 
-def make_family(spec: Spec, numerics: Numerics, planes: bool, fragile: bool) -> Scheme:
+def make_family(spec: Spec, numerics: Numerics, planes: bool, fragile: bool, alone: bool = False) -> Scheme:
     """Build the scheme of some numerical settings.
 
     Args:
@@ -35,10 +45,15 @@ def make_family(spec: Spec, numerics: Numerics, planes: bool, fragile: bool) -> 
         numerics: Numerical settings.
         planes: There are symmetry planes.
         fragile: Some material bears no tension, or none once it has failed.
+        alone: There is one body.
     """
     settings = SCHEMES[numerics.scheme]
     if isinstance(settings, EulerianSettings):
         return Eulerian(settings, spec, numerics, planes)
+    if isinstance(settings, LagrangianSettings):
+        if settings.eulerian is None and (alone or numerics.contact is not None):
+            return TotalLagrangian(settings, spec, numerics, planes, alone)
+        return Adaptive(settings, spec, numerics, planes)
     family = TimeSplit if settings.split else ParshikovMedin
     return family(settings, spec, numerics, planes, fragile)
 
@@ -51,6 +66,12 @@ def _check_godunov(data: SceneData) -> None:
             f"plane = 'stress' does not go with scheme {name!r}: its Riemann problems know no thickness that changes; "
             "allowed: 'strain', or a scheme with artificial viscosity"
         )
+    for option in ("contact", "viscosity_alpha", "viscosity_beta"):
+        if getattr(numerics, option) is not None:
+            raise InputError(
+                f"{option} does not go with scheme {name!r}, a Godunov scheme; allowed: None, or a scheme with "
+                "artificial viscosity"
+            )
     if numerics.riemann == "acoustic":
         for k, material in enumerate(data.materials):
             cold = (data.mat == k) & (data.e <= 0.0)

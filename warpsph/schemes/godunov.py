@@ -33,7 +33,7 @@ class ParshikovMedin(Godunov):
             spec, numerics, correction=s.correction, gradient_ratio=s.gradient_ratio,
             exact_energy=s.exact_energy, planes=planes,
         )  # fmt: skip
-        self._fluxes = make_godunov_pm(spec, self._smoothing, numerics.riemann, fragile, s.correction, planes)
+        self._fluxes = make_godunov_pm(spec, self.smoothing, numerics.riemann, fragile, s.correction, planes)
 
     def probe(self, bind: Bind) -> list[Command]:
         """Forces and approach speeds."""
@@ -65,9 +65,9 @@ class TimeSplit(Godunov):
         self.limiter_beta = numerics.limiter_beta
         self._second = s.order == 2
         states = Reconstruction(numerics.riemann, s.order, numerics.limiter, numerics.limit_jump, fragile)
-        self._deviatoric = make_deviatoric(spec, self._smoothing, s.order, s.correction, planes)
-        self._hydrodynamic = make_hydrodynamic(spec, self._smoothing, states, s.correction, planes)
-        self._velocity_gradient = make_kinematics(spec, self._smoothing, s.correction, planes)
+        self._deviatoric = make_deviatoric(spec, self.smoothing, s.order, s.correction, planes)
+        self._hydrodynamic = make_hydrodynamic(spec, self.smoothing, states, s.correction, planes)
+        self._velocity_gradient = make_kinematics(spec, self.smoothing, s.correction, planes)
 
     def arrays(self, n: int) -> dict[str, wp.array]:
         """Add the volume rate, the slopes of the reconstruction, and v at the start of the step."""

@@ -7,8 +7,10 @@ import warp as wp
 
 from warpsph.config import Numerics
 from warpsph.kernels.constitutive import make_constitutive
+from warpsph.kernels.contact import make_contact
 from warpsph.kernels.correction import make_correction
 from warpsph.kernels.integrate import make_integrate
+from warpsph.kernels.parts import part_types
 from warpsph.kernels.smoothing import make_smoothing
 from warpsph.kernels.spec import Spec
 from warpsph.kernels.tiles import make_tiles
@@ -28,11 +30,17 @@ class Scheme(ABC):
         viscosity_alpha: Share of the sound speed in the dissipation's signal speed, for the time step.
         viscosity_beta: The same for the approach speed.
         gradient_ratio: ``Cf`` of the correction's limiter.
+        groups: Groups of the field table that the scheme needs.
+        searching: Neighbour rows of present positions are needed.
+        wearing_role: From which role on a tile of the body's own wears the rows out, see `kernels.tiles`.
+        reference_correction: Mixed correction in the reference configuration.
     """
 
     first_switch = 1.0
     viscosity_alpha: float
     viscosity_beta: float
+    searching = True
+    reference_correction = False
 
     def __init__(
         self,
@@ -43,6 +51,8 @@ class Scheme(ABC):
         gradient_ratio: float,
         exact_energy: bool = True,
         split: bool = False,
+        parts: bool = False,
+        lagrangian: bool = False,
         planes: bool,
     ):
         """Pick the kernels that all families share; nothing is compiled before the first launch.
@@ -54,17 +64,25 @@ class Scheme(ABC):
             gradient_ratio: ``Cf`` of its limiter.
             exact_energy: Section 11's stepping.
             split: The density has a rate of its own.
+            parts: Forces have parts that the ledger keeps apart.
+            lagrangian: There are Lagrangian particles.
             planes: The scene has symmetry planes.
         """
         self.gradient_ratio = gradient_ratio
-        self._spec, self._corrected = spec, correction
-        self._smoothing = make_smoothing(spec, numerics.kernel)
-        self.support = self._smoothing.support
-        self._timestep, self._tiles = make_timestep(spec), make_tiles(spec)
-        self._integrate = make_integrate(spec, exact_energy)
-        self._correction = make_correction(spec, self._smoothing, planes) if correction else None
+        self._spec, self._corrected, self._parts = spec, correction, parts
+        self.smoothing = make_smoothing(spec, numerics.kernel)
+        self.support = self.smoothing.support
+        contact = numerics.contact is not None
+        self.groups = frozenset(["lagrangian"] * lagrangian + ["contact"] * contact)
+        self.wearing_role = 1 if correction else 2
+        self._timestep, self._tiles = make_timestep(spec, lagrangian, contact), make_tiles(spec, lagrangian)
+        self._integrate = make_integrate(spec, exact_energy, parts)
+        self._correction = (
+            make_correction(spec, self.smoothing, planes, contact, lagrangian) if correction else None
+        )
+        self._contact = make_contact(spec, self.smoothing, planes).contact if contact else None
         plane_stress = numerics.plane == "stress" and spec.dim == 2
-        self._constitutive = make_constitutive(spec, plane_stress, split)
+        self._constitutive = make_constitutive(spec, plane_stress, split, lagrangian)
 
     def arrays(self, n: int) -> dict[str, wp.array]:
         """Arrays that live from one launch to the next but are no state; 1 long where the scheme has no use for them.
@@ -72,12 +90,18 @@ class Scheme(ABC):
         Args:
             n: Number of particles.
         """
-        corrected = n if self._corrected else 1
-        return {
-            "dedt": wp.zeros(n, dtype=self._spec.real),
-            "div": wp.zeros(1, dtype=self._spec.real),
-            "K": wp.zeros(corrected, dtype=self._spec.mat),
-            "G": wp.zeros(corrected, dtype=self._spec.vec),
+        s, corrected = self._spec, n if self._corrected else 1
+        parted, types = n if self._parts else 1, part_types(self._spec)
+        unused = {"X": s.vec, "F": s.mat, "vol0": s.real, "ripe": wp.int32, "fate": wp.int32}
+        unused |= {"shrink": s.real, "contact_rate": s.real}
+        return {name: wp.zeros(1, dtype=dtype) for name, dtype in unused.items()} | {
+            "dedt": wp.zeros(n, dtype=s.real),
+            "div": wp.zeros(1, dtype=s.real),
+            "K": wp.zeros(corrected, dtype=s.mat),
+            "G": wp.zeros(corrected, dtype=s.vec),
+            "part_a": wp.zeros(parted, dtype=types.acceleration),
+            "part_power": wp.zeros(parted, dtype=types.power),
+            "turned": wp.zeros(1, dtype=wp.int32),
         }
 
     def settle(self, bind: Bind) -> list[Command]:
@@ -94,9 +118,12 @@ class Scheme(ABC):
 
     def plan(self, bind: Bind, n_blocks: int, n_tiles: int) -> list[Command]:
         """How far the next step may go, and whether it may be taken at all."""
-        sequence = [
+        worn = [
             (self._tiles.motion, n_tiles),  # whether the neighbour rows
             (self._tiles.wear, n_tiles),  # still hold every pair
+        ]
+        sequence = [
+            *(worn if self.searching else []),
             (self._timestep.local, n_blocks),  # dt_a from the state
             (self._timestep.decide, 1),  # dt and verdict
         ]

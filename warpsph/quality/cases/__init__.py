@@ -10,8 +10,10 @@ from .ring_collapse import ring_collapse
 from .sic_impact import sic_impact
 from .sod import sod
 from .tables import Case
+from .tensile_patch import tensile_patch
 
 CASES: dict[str, Case] = {
-    case.scene: case for case in (hvi_2d(), flyer_plate(), ring_collapse(), sic_impact(), noh(), sod())
+    case.scene: case
+    for case in (hvi_2d(), tensile_patch(), flyer_plate(), ring_collapse(), sic_impact(), noh(), sod())
 }
 """Every validation case by its name."""

@@ -1,0 +1,85 @@
+"""Which terms a pair of current neighbours has: two kernel types and two bodies (method sections 5 and 6)."""
+
+import functools
+from dataclasses import dataclass
+
+import warp as wp
+
+from .kernel_type import ERODED, EULERIAN
+from .spec import Spec
+from .tensor import make_tensor
+
+FORCE, ARTIFICIAL_STRESS, KINEMATICS = 1, 2, 4
+"""Bits of a pair: stress and viscosity in the Eulerian form; artificial stress; it counts in the velocity gradient."""
+
+ALL = FORCE | ARTIFICIAL_STRESS | KINEMATICS
+"""Every term, as between any two particles of a purely Eulerian scene without contact."""
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """How particles of two kernel types, and of two bodies, act on each other.
+
+    Attributes:
+        form: ``""``: there are Eulerian particles only. ``"printed"``: every particle sums in its own form, over
+            neighbours of both types (Young et al.). ``"conservative"``: one antisymmetric force for each pair, in the
+            Lagrangian form where a member is Lagrangian and the two are reference neighbours, else in the Eulerian one.
+        stress: Artificial stress of a pair of both types acts on ``"both"``, on ``"none"``, or on the ``"eulerian"``.
+        separate: Bodies act on each other through contact alone.
+    """
+
+    form: str = ""
+    stress: str = "both"
+    separate: bool = False
+
+    @property
+    def tag(self) -> str:
+        """Short name of the combination."""
+        return "_".join(
+            p for p in (self.form, self.stress if self.form else "", "separate" * self.separate) if p
+        )
+
+
+PURE = Coupling()
+"""Eulerian particles only, and no contact: every pair has every term."""
+
+
+@functools.cache
+def make_coupling(s: Spec, coupling: Coupling) -> wp.Function:
+    """Build terms(type_i, type_j, same_body, Xij, reach) -> bits of the pair as particle i sees it."""
+    real, vec = s.real, s.vec
+    dot, separate, form = make_tensor(s).dot, coupling.separate, coupling.form
+    other = 0 if separate else ALL
+
+    if not form:
+
+        @wp.func
+        def terms(type_i: wp.int32, type_j: wp.int32, same: bool, Xij: vec, reach: real):
+            if wp.static(separate) and not same:
+                return 0
+            return wp.static(ALL)
+
+        return terms
+
+    stress_on = {"both": (True, True), "none": (False, False), "eulerian": (True, False)}[coupling.stress]
+    eulerian = KINEMATICS | (ARTIFICIAL_STRESS if stress_on[0] else 0)
+    lagrangian = ARTIFICIAL_STRESS if stress_on[1] else 0
+    conservative = form == "conservative"
+
+    @wp.func
+    def terms(type_i: wp.int32, type_j: wp.int32, same: bool, Xij: vec, reach: real):
+        if type_i == ERODED or type_j == ERODED:
+            return 0
+        if not same:
+            return wp.static(other)
+        if type_i == type_j:
+            return wp.where(type_i == EULERIAN, wp.static(ALL), 0)
+        if type_i == EULERIAN:
+            if wp.static(conservative) and dot(Xij, Xij) < reach * reach:
+                return wp.static(eulerian)
+            return wp.static(eulerian | FORCE)
+        if wp.static(conservative) and dot(Xij, Xij) >= reach * reach:
+            return wp.static(lagrangian | FORCE)
+        return wp.static(lagrangian)
+
+    return terms

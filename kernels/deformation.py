@@ -1,0 +1,133 @@
+"""Deformation gradient of Lagrangian particles, and what their forces need of it (method section 4; paper A eqs 2 and 13)."""
+
+import functools
+from typing import NamedTuple
+
+import warp as wp
+
+from .kernel_type import LAGRANGIAN
+from .mirror import make_mirror
+from .spec import Spec
+
+SMALLEST_J = 0.01
+"""A deformation gradient of a smaller determinant is none: matter is not compressed a hundredfold, it has turned over."""
+
+KEPT, INVERTED = 0, -1
+"""What `deformation` leaves in ``fate``: F is physical; it is not, and the particle cannot stay Lagrangian."""
+
+
+class DeformationKernels(NamedTuple):
+    """Kernels of this file."""
+
+    deformation: wp.Kernel
+    piola: wp.Kernel
+
+
+@functools.cache
+def make_deformation(s: Spec, planes: bool) -> DeformationKernels:
+    """Build the kernels for one specialisation."""
+    real, vec, mat, dim = s.real, s.vec, s.mat, s.dim
+    mirror = make_mirror(s, planes)
+    half, zero, one, smallest = real(0.5), real(0.0), real(1.0), real(SMALLEST_J)
+    module = s.module(__name__, "planes" if planes else "")
+
+    @wp.kernel(module=module)
+    def deformation(
+        offset: wp.int32,
+        # in:
+        v: wp.array[vec],
+        kernel_type: wp.array[wp.int32],
+        interface: wp.array[wp.int32],
+        dt: wp.array[real],
+        start0: wp.array[wp.int32],
+        n_neigh0: wp.array[wp.int32],
+        neigh0: wp.array[wp.int32],
+        g0: wp.array[vec],
+        # out:
+        F: wp.array[mat],
+        dvdx: wp.array[mat],
+        fate: wp.array[wp.int32],
+    ):
+        """F' = F + dt Fdot, Fdot = Σ V0_b (v_b - v_a) ⊗ g0_ab [1/s]; dvdx = Fdot F⁻¹ at the middle of the step (section 4).
+
+        That is F of the positions after the drift with v. An Eulerian particle beside the Lagrangian region keeps F up
+        to date too, but has its velocity gradient from elsewhere (section 5).
+        """
+        i = wp.tid() + offset
+        if dt[0] == zero:
+            return
+        fate[i] = wp.static(KEPT)
+        lagrangian = kernel_type[i] == LAGRANGIAN
+        if not lagrangian and interface[i] == 0:
+            return
+        first = start0[i]
+        vi = v[i]
+        # scalars, not a matrix: the compiler keeps them in registers
+        xx, xy, xz = real(0.0), real(0.0), real(0.0)
+        yx, yy, yz = real(0.0), real(0.0), real(0.0)
+        zx, zy, zz = real(0.0), real(0.0), real(0.0)
+        for k in range(first, first + n_neigh0[i]):
+            u = mirror.vector(v[mirror.index(neigh0[k])], mirror.sign(neigh0[k])) - vi
+            g = g0[k]
+            xx += u[0] * g[0]
+            if wp.static(dim > 1):
+                xy += u[0] * g[1]
+                yx += u[1] * g[0]
+                yy += u[1] * g[1]
+            if wp.static(dim > 2):
+                xz += u[0] * g[2]
+                yz += u[1] * g[2]
+                zx += u[2] * g[0]
+                zy += u[2] * g[1]
+                zz += u[2] * g[2]
+        rate = mat(xx, xy, xz, yx, yy, yz, zx, zy, zz)
+        F_i = mat(F[i])
+        F_new = F_i + dt[0] * rate
+        middle = F_i + (half * dt[0]) * rate
+        if wp.determinant(F_new) > smallest and wp.determinant(middle) > smallest:
+            F[i] = F_new
+        else:
+            fate[i] = wp.static(INVERTED)
+            middle = F_i
+        if lagrangian:
+            dvdx[i] = rate * wp.inverse(middle)
+
+    @wp.kernel(module=module)
+    def piola(
+        offset: wp.int32,
+        # in:
+        F: wp.array[mat],
+        sig: wp.array[mat],
+        kernel_type: wp.array[wp.int32],
+        interface: wp.array[wp.int32],
+        dt: wp.array[real],
+        # out:
+        cof: wp.array[mat],
+        P: wp.array[mat],
+        shrink: wp.array[real],
+    ):
+        """cof = J F⁻ᵀ [-] and the first Piola-Kirchhoff stress P = σ cof [Pa] (section 4; paper A eq 12).
+
+        shrink bounds the largest contraction of a line, 1/λ_min <= sqrt(|F⁻¹ F⁻ᵀ|∞): waves cross the reference
+        configuration so much faster. It is exact where the principal directions are the axes; 1 for other particles.
+        """
+        i = wp.tid() + offset
+        if dt[0] == zero:
+            return
+        lagrangian = kernel_type[i] == LAGRANGIAN
+        shrink[i] = one
+        if not lagrangian and interface[i] == 0:
+            return
+        J = wp.determinant(F[i])
+        inverse = wp.inverse(F[i])
+        cofactor = J * wp.transpose(inverse)
+        cof[i] = cofactor
+        P[i] = sig[i] * cofactor
+        if lagrangian:
+            C = inverse * wp.transpose(inverse)
+            widest = real(0.0)
+            for c in range(3):
+                widest = wp.max(widest, wp.abs(C[c, 0]) + wp.abs(C[c, 1]) + wp.abs(C[c, 2]))
+            shrink[i] = wp.max(one, wp.sqrt(widest))
+
+    return DeformationKernels(deformation, piola)

@@ -1,0 +1,179 @@
+"""The pair forces of the Total Lagrangian equations, over reference neighbours (method sections 4 and 5; paper A eq 2)."""
+
+import functools
+from dataclasses import dataclass
+
+import warp as wp
+
+from .hourglass import make_hourglass
+from .kernel_type import ERODED, LAGRANGIAN
+from .mirror import make_mirror
+from .parts import HOURGLASS, VISCOUS, part_types
+from .smoothing import Smoothing
+from .spec import Spec
+from .tensor import make_tensor
+from .viscosity import make_viscosity
+
+
+@dataclass(frozen=True)
+class LagrangianTerms:
+    """Which terms the pair loop is compiled with.
+
+    Attributes:
+        corrected: Mixed-corrected gradients: g0_ba is not -g0_ab.
+        hourglass: Ganzenmüller's zero-energy control.
+        erosion: Particles may have left all lists.
+        coupled: There are Eulerian particles: the sums add to those of the Eulerian loop.
+        mutual: The force of a pair of both types acts on its Eulerian member too: the conservative coupling.
+        planes: Neighbour entries may be mirror images.
+    """
+
+    corrected: bool
+    hourglass: bool
+    erosion: bool
+    coupled: bool
+    mutual: bool
+    planes: bool
+
+    @property
+    def tag(self) -> str:
+        """Short name of the combination."""
+        return "_".join(name for name, on in vars(self).items() if on)
+
+
+@functools.cache
+def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTerms) -> wp.Kernel:
+    """Build the momentum and energy loop for one set of terms."""
+    real, vec, matrix = s.real, s.vec, s.mat
+    mirror, tensor, viscosity = make_mirror(s, terms.planes), make_tensor(s), make_viscosity(s)
+    Accelerations, Powers = part_types(s)
+    restoring, w = make_hourglass(s), smoothing.w
+    dot, product, half, zero, dim = tensor.dot, tensor.product, real(0.5), real(0.0), s.dim
+    coupled, controlled = terms.coupled, terms.hourglass
+
+    @wp.kernel(module=s.module(__name__, "_".join(p for p in (smoothing.name, terms.tag) if p)))
+    def momentum_lagrangian(
+        offset: wp.int32,
+        # in:
+        x: wp.array[vec],
+        X: wp.array[vec],
+        v: wp.array[vec],
+        m: wp.array[real],
+        vol0: wp.array[real],
+        rho: wp.array[real],
+        vol: wp.array[real],
+        cs: wp.array[real],
+        F: wp.array[matrix],
+        cof: wp.array[matrix],
+        P: wp.array[matrix],
+        mat: wp.array[wp.int32],
+        stiffness: wp.array[real],
+        kernel_type: wp.array[wp.int32],
+        interface: wp.array[wp.int32],
+        h: real,
+        hourglass: real,
+        viscosity_alpha: real,
+        viscosity_beta: real,
+        plane: vec,
+        dt: wp.array[real],
+        start0: wp.array[wp.int32],
+        n_neigh0: wp.array[wp.int32],
+        neigh0: wp.array[wp.int32],
+        g0: wp.array[vec],
+        g0_back: wp.array[vec],
+        # out:
+        dvdt: wp.array[vec],
+        dedt: wp.array[real],
+        part_a: wp.array[Accelerations],
+        part_power: wp.array[Powers],
+        mu: wp.array[real],
+    ):
+        """dvdt = Σ f_ab / m_a [m/s²] and dedt = Σ (w_ab - f_ab·v_a) / m_a [W/kg] (sections 4, 5 and 11).
+
+        f_ab = V0_a V0_b (P_a g0_ab - P_b g0_ba + μ_a μ_b Π_ab/2 (n_b - n_a)), n_a = cof_a g0_ab, n_b = cof_b g0_ba, with
+        μ = m/V: as V = J V0 and cof = J F⁻ᵀ the viscous part is section 4's
+        m_a m_b Π_ab/2 (J_a⁻¹ F_b⁻ᵀ g0_ba - J_b⁻¹ F_a⁻ᵀ g0_ab).
+        """
+        i = wp.tid() + offset
+        if dt[0] == zero:
+            return
+        lagrangian = kernel_type[i] == LAGRANGIAN
+        if wp.static(coupled):
+            if not lagrangian and (wp.static(not terms.mutual) or interface[i] == 0):
+                return
+        first = start0[i]
+        count = wp.where(kernel_type[i] == ERODED, 0, n_neigh0[i])
+        xi, vi, P_i = x[i], v[i], P[i]
+        rho_i, cs_i, areal_i = rho[i], cs[i], m[i] / vol[i]
+        # scalars, not vectors: the compiler keeps them in registers
+        f_x, f_y, f_z, power, mu_max = real(0.0), real(0.0), real(0.0), real(0.0), real(0.0)
+        visc_x, visc_y, visc_z, visc_power = real(0.0), real(0.0), real(0.0), real(0.0)
+        zero_x, zero_y, zero_z, zero_power = real(0.0), real(0.0), real(0.0), real(0.0)
+        for k in range(first, first + count):
+            j = mirror.index(neigh0[k])
+            if wp.static(terms.erosion):
+                if kernel_type[j] == ERODED:
+                    continue
+            if wp.static(coupled):
+                if not lagrangian and kernel_type[j] != LAGRANGIAN:
+                    continue
+            sign = mirror.sign(neigh0[k])
+            g = vec(g0[k])
+            back = -g
+            if wp.static(terms.corrected):
+                back = vec(g0_back[k])
+            vji = mirror.vector(v[j], sign) - vi
+            inner = product(P_i, g)
+            stress = inner - product(mirror.tensor(P[j], sign), back)
+            power += dot(vji, inner)
+            f_x += stress[0]
+            if wp.static(dim > 1):
+                f_y += stress[1]
+            if wp.static(dim > 2):
+                f_z += stress[2]
+            xij = xi - mirror.point(x[j], sign, plane)
+            closing = -dot(vji, xij)
+            if closing < zero:
+                mu_ij = viscosity.approach(closing, dot(xij, xij), h)
+                mu_max = wp.max(mu_max, -mu_ij)
+                pi_ij = viscosity.pressure(
+                    mu_ij, half * (cs_i + cs[j]), half * (rho_i + rho[j]), viscosity_alpha, viscosity_beta
+                )
+                area = product(mirror.tensor(cof[j], sign), back) - product(cof[i], g)
+                drag = (half * pi_ij * areal_i * (m[j] / vol[j])) * area
+                visc_power += dot(vji, drag)
+                visc_x += drag[0]
+                if wp.static(dim > 1):
+                    visc_y += drag[1]
+                if wp.static(dim > 2):
+                    visc_z += drag[2]
+            if wp.static(controlled):
+                Xij = X[i] - mirror.point(X[j], sign, plane)
+                r0, r = wp.sqrt(dot(Xij, Xij)), wp.sqrt(dot(xij, xij))
+                E_i, E_j = stiffness[mat[i]], stiffness[mat[j]]
+                size = restoring(Xij, xij, F[i], mirror.tensor(F[j], sign), w(r0, h), hourglass, E_i, E_j)
+                push = (vol0[j] * size / wp.max(r, real(1.0e-6) * h)) * xij
+                zero_power += dot(vji, push)
+                zero_x += push[0]
+                if wp.static(dim > 1):
+                    zero_y += push[1]
+                if wp.static(dim > 2):
+                    zero_z += push[2]
+        per_mass = vol0[i] / m[i]
+        a, powers = Accelerations(), Powers()
+        dv, de = vec(), real(0.0)
+        if wp.static(coupled):
+            a, powers = Accelerations(part_a[i]), Powers(part_power[i])
+            dv, de = vec(dvdt[i]), real(dedt[i])
+            mu_max = wp.max(mu_max, mu[i])
+        dvdt[i] = dv + per_mass * vec(f_x + visc_x + zero_x, f_y + visc_y + zero_y, f_z + visc_z + zero_z)
+        dedt[i] = de + per_mass * (power + half * (visc_power + zero_power))
+        powers[wp.static(VISCOUS)] = powers[wp.static(VISCOUS)] + per_mass * half * visc_power
+        powers[wp.static(HOURGLASS)] = per_mass * half * zero_power
+        a[wp.static(VISCOUS)] = a[wp.static(VISCOUS)] + per_mass * vec(visc_x, visc_y, visc_z)
+        a[wp.static(HOURGLASS)] = per_mass * vec(zero_x, zero_y, zero_z)
+        part_a[i] = a
+        part_power[i] = powers
+        mu[i] = mu_max
+
+    return momentum_lagrangian

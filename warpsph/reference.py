@@ -1,0 +1,77 @@
+"""Reference neighbours of Lagrangian particles and their gradients: found once (method section 4)."""
+
+from collections.abc import Callable
+
+import warp as wp
+
+from .kernels.correction import make_correction
+from .kernels.neighbours import make_neighbours
+from .kernels.reference import make_reference
+from .kernels.smoothing import Smoothing
+from .launch import Command, Launcher
+from .neighbours import Neighbours
+from .particles import Particles
+from .rows import Rows
+
+
+class Reference:
+    """Rows of neighbours of the same body in the reference configuration, and what the step loops need of them.
+
+    Attributes:
+        start0: Row offsets, shape [n + 1], int32.
+        n_neigh0: Entries in use in each row, shape [n], int32.
+        neigh0: Entries, see `warpsph.rows.Rows`.
+        g0: Gradients V0_b g0_ab of the entries [1/m], shape [capacity, 3].
+        g0_back: V0_b g0_ba with correction; else it is -g0, and 1 long.
+        K0: Correction in the reference configuration, see `kernels.correction`.
+        G0: The same.
+        mean_count: Mean number of reference neighbours.
+    """
+
+    def __init__(
+        self,
+        particles: Particles,
+        launcher: Launcher,
+        neighbours: Neighbours,
+        smoothing: Smoothing,
+        corrected: bool,
+    ):
+        """Pick the kernels; `build` allocates and fills.
+
+        Args:
+            particles: The particles; ``X`` and ``vol0`` are their reference configuration.
+            launcher: The device.
+            neighbours: The present neighbours, for support and symmetry planes.
+            smoothing: Smoothing kernel.
+            corrected: Mixed correction in the reference configuration.
+        """
+        spec, planes = particles.spec, neighbours.plane_mask > 0
+        self._particles, self._launcher, self._neighbours = particles, launcher, neighbours
+        self._corrected = corrected
+        self._search = make_neighbours(spec, planes, same_body=True)
+        self._correction = make_correction(spec, smoothing, planes, coupled=True) if corrected else None
+        self._gradient = make_reference(spec, smoothing, corrected, planes)
+        n = particles.n if corrected else 1
+        with wp.ScopedDevice(launcher.device):
+            self.K0 = wp.zeros(n, dtype=spec.mat)
+            self.G0 = wp.zeros(n, dtype=spec.vec)
+
+    def build(self) -> None:
+        """Find reference neighbours in the particles' present order in memory; `gradients` finds theirs anew."""
+        p, spec = self._particles, self._particles.spec
+        rows = Rows(p.n, spec.dim, spec.real, self._search, self._launcher)
+        rows.grid.build(p.X, self._neighbours.support)
+        rows.fill(self._neighbours, p, x=p.X, radius=self._neighbours.support)
+        self.start0, self.n_neigh0, self.neigh0 = rows.start, rows.n_neigh, rows.neigh
+        self.mean_count = rows.mean_count()
+        with wp.ScopedDevice(self._launcher.device):
+            self.g0 = wp.zeros(rows.neigh.size, dtype=spec.vec)
+            self.g0_back = wp.zeros(rows.neigh.size if self._corrected else 1, dtype=spec.vec)
+
+    def gradients(self, bind: Callable[..., Command], when: str) -> list[Command]:
+        """The launches that find the gradients, of particles that are not eroded, where the array ``when`` is not zero."""
+        gradient = bind(self._gradient, K="K0", G="G0", dt=when)
+        if self._correction is None:
+            return [gradient]
+        rows = {"start": "start0", "n_neigh": "n_neigh0", "neigh": "neigh0"}
+        return [bind(self._correction, x="X", vol="vol0", K="K0", G="G0", dt=when, **rows), gradient]

@@ -1,0 +1,116 @@
+"""What Total Lagrangian and coupled schemes ask of a scene, checked before anything is allocated."""
+
+from warpsph.errors import InputError
+from warpsph.kernels.material import DamageId, StrengthId
+from warpsph.scene import SceneData
+
+from . import LagrangianSettings
+
+UNYIELDING = (StrengthId.FLUID, StrengthId.ELASTIC)
+"""Strength laws without plastic strain."""
+
+
+def check_eulerian(data: SceneData) -> None:
+    """Refuse options of Lagrangian particles in a scheme that has none.
+
+    Raises:
+        InputError: Names the option and the schemes it goes with.
+    """
+    numerics = data.numerics
+    given = {
+        "conversion": numerics.conversion is not None,
+        "erosion": numerics.erosion,
+        "hourglass": numerics.hourglass > 0.0,
+        "inverted": numerics.inverted != "stop",
+    }
+    for option, on in given.items():
+        if on:
+            raise _misfit(option, numerics.scheme, "a scheme with Lagrangian particles, tl... or adaptle...")
+
+
+def check_lagrangian(data: SceneData, settings: LagrangianSettings) -> None:
+    """Refuse what a scheme with Lagrangian particles cannot do.
+
+    Raises:
+        InputError: Names the field, its value and what is allowed.
+    """
+    numerics = data.numerics
+    if settings.eulerian is None:
+        given = {
+            "conversion": numerics.conversion is not None,
+            "inverted": numerics.inverted != "stop",
+            "make_eulerian": data.eulerian.any(),
+        }
+        for option, on in given.items():
+            if on:
+                raise _misfit(option, numerics.scheme, "a coupled scheme, adaptle...")
+    elif numerics.erosion:
+        raise _misfit("erosion", numerics.scheme, "tl... (adaptle converts failed particles instead)")
+    if (
+        any(material.strength.id == StrengthId.FLUID for material in data.materials)
+        and not data.eulerian.all()
+    ):
+        _check_solid(data)
+    _check_erosion(data)
+    if numerics.conversion is not None:
+        _check_conversion(data)
+
+
+def _check_solid(data: SceneData) -> None:
+    """A fluid has no reference configuration that it keeps to."""
+    for k, material in enumerate(data.materials):
+        if material.strength.id == StrengthId.FLUID and (~data.eulerian[data.mat == k]).any():
+            raise InputError(
+                f"material {material.name!r} does not go with Lagrangian particles in scheme {data.numerics.scheme!r}: "
+                "it has no strength; allowed: a solid, or make_eulerian for all of it"
+            )
+
+
+def _check_erosion(data: SceneData) -> None:
+    if data.numerics.erosion and not _has_damage(data):
+        raise InputError(
+            "erosion = True needs a material that fails, and none of "
+            f"{_names(data)} has a damage law; allowed: False, or a material with damage"
+        )
+
+
+def _check_conversion(data: SceneData) -> None:
+    """Conversion needs the state that its criteria look at."""
+    conversion = data.numerics.conversion
+    if conversion.damage and not _has_damage(data):
+        raise InputError(
+            f"conversion by damage needs a material that fails, and none of {_names(data)} has a damage law; "
+            "allowed: damage = False, or a material with damage"
+        )
+    plastic = conversion.strain is not None and conversion.measure == "plastic"
+    if plastic and all(m.strength.id in UNYIELDING for m in data.materials):
+        raise InputError(
+            f"conversion by plastic strain needs a material that yields, and none of {_names(data)} does; "
+            "allowed: another measure, or a material with plasticity"
+        )
+
+
+def check_radius(data: SceneData, reach: float) -> None:
+    """Refuse a radius of conversion beyond the reference neighbours, who are no further than ``reach`` [m].
+
+    Raises:
+        InputError: Names the radius and what is allowed.
+    """
+    conversion = data.numerics.conversion
+    if conversion is not None and conversion.radius is not None and conversion.radius > reach:
+        raise InputError(
+            f"radius of Conversion = {conversion.radius:g} m is out of range; allowed: up to the kernel's support of "
+            f"{reach:g} m, and more layers to go further"
+        )
+
+
+def _has_damage(data: SceneData) -> bool:
+    return any(material.damage_id != DamageId.NONE for material in data.materials)
+
+
+def _names(data: SceneData) -> str:
+    return ", ".join(repr(material.name) for material in data.materials)
+
+
+def _misfit(option: str, scheme: str, allowed: str) -> InputError:
+    return InputError(f"{option} does not go with scheme {scheme!r}; allowed with: {allowed}")
