@@ -190,7 +190,6 @@ def make_conversion(s: Spec, criteria: Criteria, planes: bool) -> ConversionKern
         role: wp.array[wp.int32],
         # out:
         kernel_type: wp.array[wp.int32],
-        shrink: wp.array[real],
         changed: wp.array[real],
         unlisted: wp.array[wp.int32],
     ):
@@ -201,7 +200,6 @@ def make_conversion(s: Spec, criteria: Criteria, planes: bool) -> ConversionKern
         i = wp.tid() + offset
         if kernel_type[i] == LAGRANGIAN and fate[i] > 0:
             kernel_type[i] = wp.static(EULERIAN)
-            shrink[i] = one
             changed[0] = one
             if role[i] < 2:
                 unlisted[0] = 1

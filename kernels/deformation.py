@@ -12,6 +12,12 @@ from .spec import Spec
 SMALLEST_J = 0.01
 """A deformation gradient of a smaller determinant is none: matter is not compressed a hundredfold, it has turned over."""
 
+LARGEST_MISMATCH = 1.25
+"""An Eulerian particle's J and ρ0/ρ may part by this factor: beyond, F is not that of the matter around it any more."""
+
+LARGEST_CONTRACTION = 4.0
+"""Largest |F⁻¹| of an Eulerian particle beside the Lagrangian region: its pair forces stiffen with its square."""
+
 KEPT, INVERTED = 0, -1
 """What `deformation` leaves in ``fate``: F is physical; it is not, and the particle cannot stay Lagrangian."""
 
@@ -29,13 +35,22 @@ def make_deformation(s: Spec, planes: bool) -> DeformationKernels:
     real, vec, mat, dim = s.real, s.vec, s.mat, s.dim
     mirror = make_mirror(s, planes)
     half, zero, one, smallest = real(0.5), real(0.0), real(1.0), real(SMALLEST_J)
+    mismatch, contraction2 = real(LARGEST_MISMATCH), real(LARGEST_CONTRACTION**2)
     module = s.module(__name__, "planes" if planes else "")
+
+    @wp.func
+    def serves(F: mat, J_of_matter: real):
+        """Whether the F of an Eulerian particle still serves its Lagrangian neighbours."""
+        ratio, inverse = wp.determinant(F) / J_of_matter, wp.inverse(F)
+        return ratio < mismatch and ratio * mismatch > one and wp.ddot(inverse, inverse) < contraction2
 
     @wp.kernel(module=module)
     def deformation(
         offset: wp.int32,
         # in:
         v: wp.array[vec],
+        vol: wp.array[real],
+        vol0: wp.array[real],
         kernel_type: wp.array[wp.int32],
         interface: wp.array[wp.int32],
         dt: wp.array[real],
@@ -51,7 +66,7 @@ def make_deformation(s: Spec, planes: bool) -> DeformationKernels:
         """F' = F + dt Fdot, Fdot = Σ V0_b (v_b - v_a) ⊗ g0_ab [1/s]; dvdx = Fdot F⁻¹ at the middle of the step (section 4).
 
         That is F of the positions after the drift with v. An Eulerian particle beside the Lagrangian region keeps F up
-        to date too, but has its velocity gradient from elsewhere (section 5).
+        to date too, but has its velocity gradient from elsewhere (section 5): the two may part company.
         """
         i = wp.tid() + offset
         if dt[0] == zero:
@@ -84,7 +99,10 @@ def make_deformation(s: Spec, planes: bool) -> DeformationKernels:
         F_i = mat(F[i])
         F_new = F_i + dt[0] * rate
         middle = F_i + (half * dt[0]) * rate
-        if wp.determinant(F_new) > smallest and wp.determinant(middle) > smallest:
+        physical = wp.determinant(F_new) > smallest and wp.determinant(middle) > smallest
+        if not lagrangian and physical:
+            physical = serves(F_new, vol[i] / vol0[i])
+        if physical:
             F[i] = F_new
         else:
             fate[i] = wp.static(INVERTED)
@@ -109,25 +127,23 @@ def make_deformation(s: Spec, planes: bool) -> DeformationKernels:
         """cof = J F⁻ᵀ [-] and the first Piola-Kirchhoff stress P = σ cof [Pa] (section 4; paper A eq 12).
 
         shrink bounds the largest contraction of a line, 1/λ_min <= sqrt(|F⁻¹ F⁻ᵀ|∞): waves cross the reference
-        configuration so much faster. It is exact where the principal directions are the axes; 1 for other particles.
+        configuration so much faster. It is exact where the principal directions are the axes; 1 for particles without F.
         """
         i = wp.tid() + offset
         if dt[0] == zero:
             return
-        lagrangian = kernel_type[i] == LAGRANGIAN
         shrink[i] = one
-        if not lagrangian and interface[i] == 0:
+        if kernel_type[i] != LAGRANGIAN and interface[i] == 0:
             return
         J = wp.determinant(F[i])
         inverse = wp.inverse(F[i])
         cofactor = J * wp.transpose(inverse)
         cof[i] = cofactor
         P[i] = sig[i] * cofactor
-        if lagrangian:
-            C = inverse * wp.transpose(inverse)
-            widest = real(0.0)
-            for c in range(3):
-                widest = wp.max(widest, wp.abs(C[c, 0]) + wp.abs(C[c, 1]) + wp.abs(C[c, 2]))
-            shrink[i] = wp.max(one, wp.sqrt(widest))
+        C = inverse * wp.transpose(inverse)
+        widest = real(0.0)
+        for c in range(3):
+            widest = wp.max(widest, wp.abs(C[c, 0]) + wp.abs(C[c, 1]) + wp.abs(C[c, 2]))
+        shrink[i] = wp.max(one, wp.sqrt(widest))
 
     return DeformationKernels(deformation, piola)

@@ -35,6 +35,8 @@ def impact(time=0.0, dim=2, real=np.float64, seed=0):
         "p_low": np.full(n, -1e9, dtype=real),
         "T": np.linspace(293.15, 900.0, n).astype(real),
         "D": rng.random(n).astype(real),
+        "X": x.astype(real),
+        "F": (np.eye(3) + 0.1 * rng.normal(size=(n, 3, 3))).astype(real),
     }
     return State(
         time=time,

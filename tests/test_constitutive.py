@@ -43,6 +43,7 @@ def deform(
         "T": material.initial_temperature * one, "D": 0 * one, "p": 0 * one,
         "cs": material.bulk_speed * one, "cl": 0 * one, "sig": np.zeros((1, 3, 3)), "vol": one,
         "thickness": one.copy(), "p_high": 0 * one, "p_low": 0 * one, "clipped": np.zeros(1, np.int32),
+        "F": np.eye(3)[None], "vol0": one, "kernel_type": np.zeros(1, np.int32), "fate": np.zeros(1, np.int32),
     }  # fmt: skip
     state = start | {name: values[None] for name, values in (state or {}).items() if name in start}
     state |= {"dt": dt * one}

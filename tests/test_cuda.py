@@ -33,7 +33,9 @@ def test_same_physics(cuda, dim, scheme, real):
         np.testing.assert_allclose(b, a, atol=tolerance * np.abs(a).max(), rtol=0, err_msg=name)
 
 
-@pytest.mark.parametrize("scheme", [name for name, settings in SCHEMES.items() if getattr(settings, "exact_energy", True)])
+@pytest.mark.parametrize(
+    "scheme", [name for name, settings in SCHEMES.items() if getattr(settings, "exact_energy", True)]
+)
 def test_energy_and_momentum(cuda, scheme):
     solver = run(collision(2, scheme=scheme), 0.0, device=cuda)
     before = solver.ledger()

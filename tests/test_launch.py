@@ -100,6 +100,9 @@ def test_a_material_table_of_another_precision_is_refused():
         "sig": DOUBLE[3].mat,
         "mat": wp.int32,
         "clipped": wp.int32,
+        "F": DOUBLE[3].mat,
+        "kernel_type": wp.int32,
+        "fate": wp.int32,
     }
     names = [arg.label for arg in kernel.adj.args][1:]
     arrays = {name: wp.zeros(n, dtype=kinds.get(name, wp.float64), device="cpu") for name in names}

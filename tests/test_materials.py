@@ -140,11 +140,12 @@ def test_packing_keeps_every_constant(precision, eps):
         assert row["p_min"] == (0.0 if gas else pytest.approx(material.pressure_cutoff, rel=eps))
         ceramic = isinstance(material.strength, lib.JohnsonHolmquist1)
         assert row["D_tension"] == (0.0 if gas else 1.0 if ceramic else math.inf)
+        assert row["D_shear"] == math.inf
         assert row["c_min"] > 0.0
         given = material.eos.constants | material.strength.constants
         given |= {} if material.damage is None else material.damage.constants
         given["P_T"] = given.pop("T", 0.0)  # T is a temperature on the device
-        own = {"eos", "strength", "damage", "rho0", "p_min", "c_min", "A_shock", "D_tension"}
+        own = {"eos", "strength", "damage", "rho0", "p_min", "c_min", "A_shock", "D_tension", "D_shear"}
         for name in set(rows.dtype.names) - own:
             assert row[name] == pytest.approx(given.pop(name, 0.0), rel=eps)
         assert not given

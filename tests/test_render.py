@@ -9,7 +9,7 @@ from states import impact
 
 from warpsph import render, units
 from warpsph.drawing import camera, spheres
-from warpsph.drawing.look import choose, time_stamp
+from warpsph.drawing.look import KERNEL_COLOURS, choose, time_stamp
 from warpsph.drawing.painter import Painter
 from warpsph.errors import InputError, RunError
 from warpsph.scalars import names, scalar
@@ -170,6 +170,28 @@ def test_cut_takes_away_the_half_towards_the_camera():
             choose([state], cut=text)
 
 
+@pytest.mark.parametrize(("cut", "view"), [("x", "yz"), ("y=1e-3", "xz"), (" z = 0", "xy"), (None, "iso")])
+def test_a_cut_is_seen_straight_on_unless_a_view_is_named(cut, view):
+    state = impact(0.0, 3)
+    assert choose([state], cut=cut).view == view
+    assert choose([state], cut=cut, view="iso").view == "iso"
+
+
+def test_camera_comes_closer_to_what_a_cut_leaves():
+    box = np.array([[-1.0, 2.0, 3.0], [4.0, 2.5, 5.0]])
+    for view, kept in (("-y", [2.2, 2.5]), ("y", [2.0, 2.2])):
+        clipped = camera.parse_cut("y=2.2", view, box).clip(box)
+        np.testing.assert_array_equal(clipped[:, 1], kept)
+        np.testing.assert_array_equal(clipped[:, ::2], box[:, ::2])
+    np.testing.assert_array_equal(camera.parse_cut("y=9", "y", box).clip(box), box)
+
+
+def test_aspect_is_that_of_the_side_that_is_seen():
+    box = np.array([[-1.0, 2.0, 3.0], [4.0, 2.5, 5.0]])
+    for view, aspect in (("xy", 5.0 / 0.5), ("xz", 5.0 / 2.0), ("yz", 0.5 / 2.0)):
+        assert camera.aspect_3d(box, view) == pytest.approx(aspect)
+
+
 @pytest.mark.parametrize("view", camera.VIEWS)
 @pytest.mark.parametrize("aspect", [0.5, 2.0])
 def test_perspective_camera_shows_the_whole_box_and_no_more(view, aspect):
@@ -207,6 +229,24 @@ def test_uniform_field_has_a_range_and_an_index_has_names():
     look = choose([impact()], field="body")
     assert look.categories == tuple(impact().bodies) and look.limits == (-0.5, 1.5)
     assert choose([impact()], field="fixed").categories[:4] == ("free", "x", "y", "xy")
+
+
+def test_kernel_types_have_their_colours_and_only_those_that_occur_a_name():
+    states = [impact(0.0, 3), impact(1e-6, 3)]
+    states[1].fields["kernel_type"][::2] = 2
+    look = choose(states, field="kernel_type", size=SMALL)
+    assert look.cmap == KERNEL_COLOURS and look.occurring == (0, 2)
+    assert choose(states, field="kernel_type", cmap="viridis").cmap == "viridis"
+    with Painter(look) as painter:
+        legend = painter._content.axes.figure.legends[0]
+        assert [text.get_text() for text in legend.get_texts()] == ["Eulerian", "eroded"]
+        pictures = [painter.draw(state).astype(int) for state in states]
+    blue, yellow = (
+        (lambda p: (p[..., 2] - p[..., 0] > 40).sum()),
+        (lambda p: (p[..., 0] - p[..., 2] > 60).sum()),
+    )
+    assert blue(pictures[0]) > blue(pictures[1]) > 100
+    assert yellow(pictures[1]) > yellow(pictures[0]) + 100
 
 
 def test_every_quantity_on_offer_can_be_had():

@@ -5,7 +5,6 @@ import pytest
 from tools import SPACING, by_id, collision, run
 
 from warpsph.errors import InputError
-from warpsph.fields import FIELDS
 from warpsph.launch import SMALLEST_SLICE
 from warpsph.progress import Progress
 from warpsph.run import resume
@@ -35,7 +34,8 @@ def build(spacing: float = 1e-3) -> Scene:
 
 
 def assert_same(one, two):
-    for f in FIELDS:
+    assert one.particles.fields == two.particles.fields
+    for f in one.particles.fields:
         np.testing.assert_array_equal(by_id(one, f.name), by_id(two, f.name), err_msg=f.name)
 
 

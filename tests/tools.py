@@ -65,6 +65,20 @@ def one_step(solver):
     return solver
 
 
+def overwrite(solver, **fields):
+    """Give fields new values, in id order."""
+    ids = solver.particles.id.numpy()
+    for name, values in fields.items():
+        getattr(solver.particles, name).assign(np.asarray(values)[ids])
+
+
+def forces(solver):
+    """Accelerations [m/s²] and powers per mass [W/kg] of the state as it is, without a step, in id order."""
+    scheme, order = solver._scheme, np.argsort(solver.particles.id.numpy())
+    solver._run_still(scheme.derive(solver._bind) + scheme.probe(solver._bind))
+    return solver.particles.dvdt.numpy()[order], solver._work.dedt.numpy()[order]
+
+
 def by_id(solver, name):
     """A field of any kind in id order, on the host."""
     arrays = solver.particles.arrays()

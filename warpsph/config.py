@@ -123,7 +123,8 @@ class Numerics:
         erosion: A Total Lagrangian particle leaves all lists when it fails (schemes ``tl...``).
         coupling: Force between particles of two kernel types: ``"conservative"``, or ``"printed"`` as in paper A.
         interface_stress: On which of two such particles artificial stress acts: ``"both"``, ``"none"``, ``"eulerian"``.
-        hourglass: Coefficient of Ganzenmüller's zero-energy control of Total Lagrangian particles; 0 is off.
+        hourglass: Coefficient of Ganzenmüller's zero-energy control of Total Lagrangian particles; 0 is off,
+            beyond 10 it would need shorter steps.
         inverted: What happens to a Total Lagrangian particle that turns over (J <= 0): the run must ``"stop"``, or it
             and its neighbours ``"convert"``.
     """
@@ -176,7 +177,7 @@ class Numerics:
             "limiter_beta": (1.0, 2.0),
             "viscosity_alpha": (0.0, math.inf),
             "viscosity_beta": (0.0, math.inf),
-            "hourglass": (0.0, math.inf),
+            "hourglass": (0.0, 10.0),
         }
         for name, (low, high) in ranges.items():
             if getattr(self, name) is None:

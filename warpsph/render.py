@@ -32,7 +32,8 @@ def render(
     Args:
         folder: Output folder of the run.
         field: What gives the colour, see `warpsph.scalars.scalar`.
-        view: Name of the view, see `warpsph.drawing.camera.VIEWS`; None for the usual one of the dimension.
+        view: Name of the view, see `warpsph.drawing.camera.VIEWS`; None for the usual one of the dimension, or
+            straight on a cut.
         output: Folder for the frames ``FIELD_0000.png``, numbered as the snapshots; ``folder/frames`` if None.
         range: Lowest and highest value of the colour range [SI]; None to fit it to the sequence.
         movie: An .mp4 file to write as well.

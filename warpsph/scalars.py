@@ -15,6 +15,9 @@ AXES = ("x", "y", "z")
 PAIRS = (("xx", 0, 0), ("yy", 1, 1), ("zz", 2, 2), ("xy", 0, 1), ("xz", 0, 2), ("yz", 1, 2))
 """Components of a symmetric tensor, with their indices."""
 
+KERNEL_TYPES = ("Eulerian", "Total Lagrangian", "eroded")
+"""Names of the values of the field ``kernel_type``."""
+
 
 @dataclass(frozen=True)
 class Scalar:
@@ -39,7 +42,7 @@ def scalar(state: State, name: str) -> Scalar:
     Args:
         state: The particles.
         name: Title or symbol of a field (a vector gives its magnitude), a component such as ``velocity_x`` or
-            ``stress_xx``, ``speed`` or ``von_mises``.
+            ``stress_xx``, ``speed``, ``von_mises`` or ``equivalent_strain``.
 
     Raises:
         InputError: If the state does not offer it; names what it does.
@@ -55,6 +58,18 @@ def scalar(state: State, name: str) -> Scalar:
 def names(state: State) -> list[str]:
     """Every quantity that `scalar` can give for a state."""
     return list(_table(state))
+
+
+def equivalent_strain(F: np.ndarray) -> np.ndarray:
+    """Equivalent logarithmic strain sqrt(2/3 eps':eps') with eps = 1/2 ln(F F^T), shape [n].
+
+    Args:
+        F: Deformation gradients, shape [n, 3, 3]; a singular one gives no finite value.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        principal = np.log(np.linalg.svd(np.asarray(F, dtype=np.float64), compute_uv=False))
+        deviator = principal - principal.mean(axis=1, keepdims=True)
+        return np.sqrt(2.0 / 3.0) * np.linalg.norm(deviator, axis=1)
 
 
 def _table(state: State) -> dict[str, tuple[str, str, Callable[[], np.ndarray]]]:
@@ -87,6 +102,8 @@ def _derived(state: State) -> dict[str, tuple[str, str, Callable[[], np.ndarray]
             "Pa",
             lambda: np.sqrt(1.5) * np.linalg.norm(state.tau, axis=(1, 2)),
         )
+    if "F" in fields:
+        table["equivalent_strain"] = ("equivalent strain", "1", lambda: equivalent_strain(state.F))
     if "tau" in fields and "p" in fields:
         for pair, i, j in PAIRS:
             pressure = state.p if i == j else 0.0
@@ -107,6 +124,6 @@ def _categories(state: State, name: str) -> tuple[str, ...] | None:
     indices = {
         "body": state.bodies,
         "material": state.materials,
-        "kernel_type": ("Eulerian", "Total Lagrangian"),
+        "kernel_type": KERNEL_TYPES,
     }
     return tuple(indices[name]) if name in indices else None

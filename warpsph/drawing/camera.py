@@ -25,6 +25,9 @@ VIEWS: dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]] 
 """Named views: the direction from the scene to the camera, and the direction up in the picture. ``x`` looks
 from the positive end of the x axis; ``xz`` has x to the right and z upwards."""
 
+FACING = {"x": "yz", "y": "xz", "z": "xy"}
+"""View straight on a cut plane, by the axis of its normal."""
+
 ANGLE = 25.0
 """Vertical angle of view of the perspective camera [degrees]."""
 
@@ -46,6 +49,12 @@ class Cut:
     def mask(self, x: np.ndarray) -> np.ndarray:
         """Which particles are kept, shape [n], bool; ``x`` are the positions [m], shape [n, 3]."""
         return self.keep * (x[:, self.axis] - self.position) >= 0.0
+
+    def clip(self, box: np.ndarray) -> np.ndarray:
+        """The part of a box that is kept; both by lower and upper corner [m], shape [2, 3]."""
+        kept = box.copy()
+        kept[0 if self.keep > 0.0 else 1, self.axis] = np.clip(self.position, *box[:, self.axis])
+        return kept
 
 
 @dataclass(frozen=True)
@@ -69,15 +78,16 @@ class Camera:
     parallel: bool
 
 
-def named_view(view: str | None, dim: int) -> str:
-    """Check the name of a view; None gives the usual one of the dimension.
+def named_view(view: str | None, dim: int, cut: str | None = None) -> str:
+    """Check the name of a view; None gives the one straight on the cut, or else the usual one of the dimension.
 
     Raises:
         InputError: If there is no such view in this dimension.
     """
     allowed = list(VIEWS) if dim == 3 else ["xy"]
     if view is None:
-        return allowed[0]
+        facing = FACING.get((cut or "").strip()[:1])
+        return facing if facing in allowed else allowed[0]
     if view not in allowed:
         raise InputError(f"view {view!r} does not exist in {dim}D; allowed: {', '.join(allowed)}")
     return view
@@ -125,13 +135,29 @@ def place_3d(box: np.ndarray, aspect: float, view: str) -> Camera:
         aspect: Width over height of the picture.
         view: Name of the view.
     """
-    direction = np.array(VIEWS[view][0]) / np.linalg.norm(VIEWS[view][0])
-    right = np.cross(VIEWS[view][1], direction)
-    right /= np.linalg.norm(right)
-    up = np.cross(direction, right)
-    focus = box.mean(axis=0)
-    corners = np.stack(np.meshgrid(*box.T, indexing="ij"), axis=-1).reshape(8, 3) - focus
+    right, up, direction = _directions(view)
+    focus, corners = box.mean(axis=0), _corners(box)
     slope = math.tan(math.radians(ANGLE / 2.0))
     needed = np.maximum(abs(corners @ right) / aspect, abs(corners @ up)) / slope + corners @ direction
     distance = float(needed.max())
     return Camera(focus + distance * direction, focus, right, up, 2.0 * distance * slope, False)
+
+
+def aspect_3d(box: np.ndarray, view: str) -> float:
+    """Width over height of a box as seen from far away in a named view; lower and upper corner [m], shape [2, 3]."""
+    right, up, _ = _directions(view)
+    corners = _corners(box)
+    return float(np.ptp(corners @ right) / np.ptp(corners @ up))
+
+
+def _directions(view: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Unit vectors to the right, upwards and towards the camera of a named view."""
+    direction = np.array(VIEWS[view][0]) / np.linalg.norm(VIEWS[view][0])
+    right = np.cross(VIEWS[view][1], direction)
+    right /= np.linalg.norm(right)
+    return right, np.cross(direction, right), direction
+
+
+def _corners(box: np.ndarray) -> np.ndarray:
+    """The corners of a box seen from its middle [m], shape [8, 3]."""
+    return np.stack(np.meshgrid(*box.T, indexing="ij"), axis=-1).reshape(8, 3) - box.mean(axis=0)

@@ -77,5 +77,6 @@ def _camera(look: Look, aspect: float) -> camera.Camera:
     """Place the camera so that the look's box fits with a margin."""
     extent = float((look.box[1] - look.box[0]).max())
     margin = MARGIN * extent + look.spacing
-    box = look.box + np.array([[-margin], [margin]])
+    box = look.box if look.cut is None else look.cut.clip(look.box)
+    box = box + np.array([[-margin], [margin]])
     return camera.place_2d(box, aspect) if look.dim == 2 else camera.place_3d(box, aspect, look.view)

@@ -33,7 +33,7 @@ def colours(look: Look) -> "tuple[ScalarMappable, float, str]":
 
     factor, unit = units.scale(look.unit, max(map(abs, look.limits)))
     low, high = look.limits
-    table = matplotlib.colormaps[look.cmap]
+    table = matplotlib.colormaps[look.cmap] if isinstance(look.cmap, str) else ListedColormap(look.cmap)
     if look.categories is not None:
         chosen = table(np.arange(len(look.categories)) % table.N)
     elif look.centred:  # the middle of the table stands for zero, and both signs change colour equally fast
@@ -48,7 +48,7 @@ def colours(look: Look) -> "tuple[ScalarMappable, float, str]":
 def draw_key(figure: "Figure", look: Look, mapping: "ScalarMappable", unit: str) -> None:
     """Say what the colours mean: a bar for amounts, a name for each category."""
     if look.categories is not None:
-        draw_names(figure, look.categories, mapping)
+        draw_names(figure, look, mapping)
         return
     bar = figure.colorbar(
         mapping, cax=figure.add_axes((0.885, 0.17, 0.018, 0.66)), extend=look.extend, extendfrac=0.025
@@ -58,23 +58,25 @@ def draw_key(figure: "Figure", look: Look, mapping: "ScalarMappable", unit: str)
     bar.outline.set_edgecolor(INK)
 
 
-def draw_names(figure: "Figure", names: tuple[str, ...], mapping: "ScalarMappable") -> None:
-    """Draw a legend with the name of each category."""
+def draw_names(figure: "Figure", look: Look, mapping: "ScalarMappable") -> None:
+    """Draw a legend with the names of the categories that occur."""
     from matplotlib.lines import Line2D
 
     def dot(number: int) -> Line2D:
         return Line2D([], [], linestyle="", marker="o", markersize=10, color=mapping.to_rgba(number))
 
-    dots = [dot(number) for number in range(len(names))]
-    words = [name.replace("_", " ") for name in names]
+    dots = [dot(number) for number in look.occurring]
+    words = [look.categories[number].replace("_", " ") for number in look.occurring]
     figure.legend(
         dots,
         words,
         loc="upper right",
-        bbox_to_anchor=(0.985, 0.91),
+        bbox_to_anchor=(0.998, 0.92),
         fontsize=12,
         labelcolor=INK,
+        handlelength=1.0,
         handletextpad=0.2,
+        borderaxespad=0.0,
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from warpsph import units
 from warpsph.errors import InputError
-from warpsph.scalars import Scalar, scalar
+from warpsph.scalars import KERNEL_TYPES, Scalar, scalar
 from warpsph.state import State
 
 from . import camera
@@ -25,6 +25,9 @@ SMALL = 0.02
 NEAR_ZERO = 0.2
 """A positive colour range that begins below this share of its highest value begins at zero."""
 
+KERNEL_COLOURS = ("#1d3f6e", "#a9c6e2", "#e0a32e")
+"""Colours of the kernel types: dark Eulerian, light Total Lagrangian, and one that stands out for eroded."""
+
 
 @dataclass(frozen=True)
 class Look:
@@ -37,7 +40,8 @@ class Look:
         limits: Lowest and highest value of the colour range [unit].
         extend: Which ends values go beyond: ``"neither"``, ``"min"``, ``"max"`` or ``"both"``.
         categories: Names of the values if they are no amounts, else None.
-        cmap: Name of the colour map.
+        occurring: Numbers of the categories that any frame holds.
+        cmap: Name of the colour map, or the colour of each category.
         centred: Whether the middle of the colour map stands for zero.
         dim: Space dimension.
         view: Name of the camera's view.
@@ -55,7 +59,8 @@ class Look:
     limits: tuple[float, float]
     extend: str
     categories: tuple[str, ...] | None
-    cmap: str
+    occurring: tuple[int, ...]
+    cmap: str | tuple[str, ...]
     centred: bool
     dim: int
     view: str
@@ -82,7 +87,7 @@ def choose(
     Args:
         states: The sequence, at least one; read once, so that it may be a generator.
         field: Name of the quantity, see `warpsph.scalars.scalar`.
-        view: Name of the view, see `warpsph.drawing.camera.VIEWS`; None for the usual one.
+        view: Name of the view, see `warpsph.drawing.camera.VIEWS`; None for the usual one, or straight on a cut.
         range: Lowest and highest value of the colour range [SI]; None to fit it to the sequence.
         cut: Cut plane in 3D, ``"y"`` or ``"y=0.01"`` [m].
         size: Width and height [pixels].
@@ -92,13 +97,15 @@ def choose(
         InputError: If field, view, range, cut, size or colour map make no sense.
     """
     _check(range, size, cmap)
-    spans, boxes, last = [], [], 0.0
+    spans, boxes, occurring, last = [], [], set(), 0.0
     for number, state in enumerate(states):
         quantity = scalar(state, field)
         spans.append(_span(quantity.values))
+        if quantity.categories is not None:
+            occurring.update(np.unique(quantity.values).astype(int).tolist())
         boxes.append(_box(state, everything=number == 0))
         if number == 0:
-            first, first_quantity, view = state, quantity, camera.named_view(view, state.dim)
+            first, first_quantity, view = state, quantity, camera.named_view(view, state.dim, cut)
         last = max(last, state.time)
     box = np.array([np.min(boxes, axis=0)[0], np.max(boxes, axis=0)[1]])
     limits, extend = _limits(np.array(spans), first_quantity, range)
@@ -112,6 +119,7 @@ def choose(
         limits=limits,
         extend=extend,
         categories=first_quantity.categories,
+        occurring=tuple(sorted(occurring)),
         cmap=cmap or _usual_cmap(first_quantity, signed),
         centred=signed and cmap is None,
         dim=first.dim,
@@ -167,16 +175,20 @@ def _limits(
     if low == high:
         margin = 0.05 * abs(low) or 1.0
         low, high = low - margin, high + margin
-    below, above = lowest < low - 0.01 * (high - low), highest > high + 0.01 * (high - low)
-    return (float(low), float(high)), {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}[
-        below, above
-    ]
+    return (float(low), float(high)), beyond((lowest, highest), (low, high))
 
 
-def _usual_cmap(quantity: Scalar, signed: bool) -> str:
+def beyond(values: tuple[float, float], limits: tuple[float, float]) -> str:
+    """Which ends of a colour range the lowest and the highest value are clearly beyond, as matplotlib names them."""
+    slack = 0.01 * (limits[1] - limits[0])
+    ends = values[0] < limits[0] - slack, values[1] > limits[1] + slack
+    return {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}[ends]
+
+
+def _usual_cmap(quantity: Scalar, signed: bool) -> str | tuple[str, ...]:
     """Colours that suit the values."""
     if quantity.categories is not None:
-        return "tab10"
+        return KERNEL_COLOURS if quantity.categories == KERNEL_TYPES else "tab10"
     return "coolwarm" if signed else "viridis"
 
 

@@ -23,13 +23,15 @@ RUN = (ENERGY, MOMENTUM, *COST)
 TENSION_TIME = Figure("tension_time", "at", "µs", 1e6, ".1f")
 """When the tension peaked."""
 
+BACK = Figure("back_spalled", "off the back", style=".0f")
+
+INTERPENETRATION = Figure("interpenetration", "interpenetration", "spacings", expected=(0.0, 0.5))
+
 CONVERSION = (
-    Figure("back_spalled", "off the back", style=".0f"),
     Figure("projectile_lagrangian", "disc still Lagrangian", "%", 100.0, ".0f"),
     Figure("converted_share", "converted", "%", 100.0, ".0f"),
-    Figure("interpenetration", "interpenetration", "spacings"),
 )
-"""What contact and conversion add."""
+"""What conversion adds."""
 
 COMPARED = ("peak_pressure", "crater_diameter", "projectile_extension", "projectile_travel")
 """Columns of Young et al.'s Table 1: P [GPa], d_cra, L_extn, L_proj [cm]."""
@@ -59,7 +61,7 @@ def hvi_2d() -> Case:
         Row("sav1, float32", {}, precision="float32", unexpected=("energy_error", "momentum_error")),
     )
     figures = (*PRESSURES, *LENGTHS, *RUN)
-    touching = (*PRESSURES, TENSION_TIME, *LENGTHS, *CONVERSION, *RUN)
+    touching = (*PRESSURES, TENSION_TIME, *LENGTHS, BACK, INTERPENETRATION)
     return Case(
         "hvi_2d",
         (
@@ -69,19 +71,24 @@ def hvi_2d() -> Case:
                 tuple(Row(s, {"scheme": s}, published.get(s, {})) for s in schemes),
                 others,
             ),
-            Table("Contact between disc and plate", touching, _touching()),
+            Table("Contact between disc and plate", (*touching, *RUN), (_contact(),)),
+            Table("AdapTLE", (*touching, *CONVERSION, *RUN), _adaptive()),
             Table("Godunov schemes", figures, tuple(Row(s, {"scheme": s}) for s in ("con", "ts1", "ts2"))),
             Table("Variants of sav1", figures, variants),
         ),
     )
 
 
-def _touching() -> tuple[Row, ...]:
-    """Rows with contact; the paper says plane stress of its AdapTLE run, with a pressure that belongs to plane strain."""
+def _contact() -> Row:
+    """The Eulerian scheme with contact."""
+    return Row("sav1-contact", {"scheme": "sav1-contact"}, _young(19.5, 2.2, 0.6, 1.9))
+
+
+def _adaptive() -> tuple[Row, ...]:
+    """The paper says plane stress of its run, with a pressure that belongs to plane strain."""
     paper = _young(20.9, 2.2, 0.7, 1.9) | {"peak_tension": 22.5, "tension_time": 2.3}
     printed, sheet = {"scheme": "adaptle", "coupling": "printed"}, {"scheme": "adaptle", "plane": "stress"}
     return (
-        Row("sav1-contact", {"scheme": "sav1-contact"}, _young(19.5, 2.2, 0.6, 1.9)),
         Row("adaptle", {"scheme": "adaptle"}, paper),
         Row("adaptle, coupling as printed", printed, paper, unexpected=("energy_error", "momentum_error")),
         Row("adaptle, plane stress", sheet, paper, unexpected=COMPARED),

@@ -20,7 +20,8 @@ def taylor_bar() -> Case:
         "finite elements, same constants": dict(zip(names, (17.28, 14.59, 9.45), strict=True)),
         "measured bar": dict(zip(names, (16.21, 13.56, 10.10), strict=True)),
     }
-    schemes = ("tl", "adaptle", "sav1", "sav1-mixed", "ts2", "ts2-mixed")
+    schemes = ("tl", "tl-plain", "sav1", "sav1-mixed", "ts2", "ts2-mixed")
+    viscous = tuple(Row(f"{s}, α 1", {"scheme": s, "viscosity": 1.0}) for s in ("tl", "adaptle", "sav1"))
     resolutions = (
         Row("tl, 18 across", {"spacing": COARSE}),
         Row("tl, 30 across", {"spacing": FINE}),
@@ -29,7 +30,9 @@ def taylor_bar() -> Case:
     return Case(
         "taylor_bar",
         (
-            Table("Schemes, 24 across", figures, tuple(Row(s, {"scheme": s}) for s in schemes), others),
+            Table(
+                "Schemes, 24 across", figures, (*(Row(s, {"scheme": s}) for s in schemes), *viscous), others
+            ),
             Table("Resolution", figures, resolutions, others),
         ),
     )
