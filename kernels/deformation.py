@@ -25,18 +25,19 @@ KEPT, INVERTED = 0, -1
 class DeformationKernels(NamedTuple):
     """Kernels of this file."""
 
+    rate: wp.Kernel
     deformation: wp.Kernel
     piola: wp.Kernel
 
 
 @functools.cache
-def make_deformation(s: Spec, planes: bool) -> DeformationKernels:
-    """Build the kernels for one specialisation."""
+def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKernels:
+    """Build the kernels for one specialisation; ``corrected``: gradients are, in the reference configuration."""
     real, vec, mat, dim = s.real, s.vec, s.mat, s.dim
     mirror = make_mirror(s, planes)
     half, zero, one, smallest = real(0.5), real(0.0), real(1.0), real(SMALLEST_J)
     mismatch, contraction2 = real(LARGEST_MISMATCH), real(LARGEST_CONTRACTION**2)
-    module = s.module(__name__, "planes" if planes else "")
+    module = s.module(__name__, "_".join(filter(None, ("corrected" * corrected, "planes" * planes))))
 
     @wp.func
     def serves(F: mat, J_of_matter: real):
@@ -45,45 +46,42 @@ def make_deformation(s: Spec, planes: bool) -> DeformationKernels:
         return ratio < mismatch and ratio * mismatch > one and wp.ddot(inverse, inverse) < contraction2
 
     @wp.kernel(module=module)
-    def deformation(
+    def rate(
         offset: wp.int32,
         # in:
+        X: wp.array[vec],
         v: wp.array[vec],
-        vol: wp.array[real],
-        vol0: wp.array[real],
         kernel_type: wp.array[wp.int32],
         interface: wp.array[wp.int32],
+        G0: wp.array[vec],
+        plane: vec,
         dt: wp.array[real],
         start0: wp.array[wp.int32],
         n_neigh0: wp.array[wp.int32],
         neigh0: wp.array[wp.int32],
-        g0: wp.array[vec],
+        slope0: wp.array[real],
+        w0: wp.array[real],
         # out:
-        F: wp.array[mat],
-        dvdx: wp.array[mat],
-        fate: wp.array[wp.int32],
+        rate0: wp.array[mat],
     ):
-        """F' = F + dt Fdot, Fdot = Σ V0_b (v_b - v_a) ⊗ g0_ab [1/s]; dvdx = Fdot F⁻¹ at the middle of the step (section 4).
-
-        That is F of the positions after the drift with v. An Eulerian particle beside the Lagrangian region keeps F up
-        to date too, but has its velocity gradient from elsewhere (section 5): the two may part company.
-        """
+        """rate0 = Σ V0_b (v_b - v_a) ⊗ K⁻¹ g0_ab [1/s], which is Fdot K⁻ᵀ (section 4)."""
         i = wp.tid() + offset
         if dt[0] == zero:
             return
-        fate[i] = wp.static(KEPT)
-        lagrangian = kernel_type[i] == LAGRANGIAN
-        if not lagrangian and interface[i] == 0:
+        if kernel_type[i] != LAGRANGIAN and interface[i] == 0:
             return
         first = start0[i]
-        vi = v[i]
+        Xi, vi = X[i], v[i]
         # scalars, not a matrix: the compiler keeps them in registers
         xx, xy, xz = real(0.0), real(0.0), real(0.0)
         yx, yy, yz = real(0.0), real(0.0), real(0.0)
         zx, zy, zz = real(0.0), real(0.0), real(0.0)
+        wx, wy, wz = real(0.0), real(0.0), real(0.0)
         for k in range(first, first + n_neigh0[i]):
-            u = mirror.vector(v[mirror.index(neigh0[k])], mirror.sign(neigh0[k])) - vi
-            g = g0[k]
+            j = mirror.index(neigh0[k])
+            sign = mirror.sign(neigh0[k])
+            u = mirror.vector(v[j], sign) - vi
+            g = slope0[k] * (Xi - mirror.point(X[j], sign, plane))
             xx += u[0] * g[0]
             if wp.static(dim > 1):
                 xy += u[0] * g[1]
@@ -95,20 +93,60 @@ def make_deformation(s: Spec, planes: bool) -> DeformationKernels:
                 zx += u[2] * g[0]
                 zy += u[2] * g[1]
                 zz += u[2] * g[2]
-        rate = mat(xx, xy, xz, yx, yy, yz, zx, zy, zz)
-        F_i = mat(F[i])
-        F_new = F_i + dt[0] * rate
-        middle = F_i + (half * dt[0]) * rate
+            if wp.static(corrected):
+                wx += w0[k] * u[0]
+                if wp.static(dim > 1):
+                    wy += w0[k] * u[1]
+                if wp.static(dim > 2):
+                    wz += w0[k] * u[2]
+        found = mat(xx, xy, xz, yx, yy, yz, zx, zy, zz)
+        if wp.static(corrected):
+            found -= wp.outer(vec(wx, wy, wz), G0[i])
+        rate0[i] = found
+
+    @wp.kernel(module=module)
+    def deformation(
+        offset: wp.int32,
+        # in:
+        rate0: wp.array[mat],
+        K0: wp.array[mat],
+        vol: wp.array[real],
+        vol0: wp.array[real],
+        kernel_type: wp.array[wp.int32],
+        interface: wp.array[wp.int32],
+        dt: wp.array[real],
+        # out:
+        F: wp.array[mat],
+        dvdx: wp.array[mat],
+        fate: wp.array[wp.int32],
+    ):
+        """F' = F + dt Fdot, Fdot = rate0 Kᵀ; dvdx = Fdot F⁻¹ at the middle of the step [1/s] (section 4).
+
+        That is F of the positions after the drift with v. An Eulerian particle beside the Lagrangian region keeps F up
+        to date too, but has its velocity gradient from elsewhere (section 5): the two may part company.
+        """
+        i = wp.tid() + offset
+        if dt[0] == zero:
+            return
+        fate[i] = wp.static(KEPT)
+        lagrangian = kernel_type[i] == LAGRANGIAN
+        if not lagrangian and interface[i] == 0:
+            return
+        Fdot = mat(rate0[i])
+        if wp.static(corrected):
+            Fdot = Fdot * wp.transpose(K0[i])
+        F_new = F[i] + dt[0] * Fdot
+        middle = half * (F[i] + F_new)
         physical = wp.determinant(F_new) > smallest and wp.determinant(middle) > smallest
         if not lagrangian and physical:
             physical = serves(F_new, vol[i] / vol0[i])
-        if physical:
-            F[i] = F_new
-        else:
+        if not physical:
             fate[i] = wp.static(INVERTED)
-            middle = F_i
+            middle = mat(F[i])
+            F_new = mat(F[i])
         if lagrangian:
-            dvdx[i] = rate * wp.inverse(middle)
+            dvdx[i] = Fdot * wp.inverse(middle)
+        F[i] = F_new
 
     @wp.kernel(module=module)
     def piola(
@@ -116,6 +154,7 @@ def make_deformation(s: Spec, planes: bool) -> DeformationKernels:
         # in:
         F: wp.array[mat],
         sig: wp.array[mat],
+        K0: wp.array[mat],
         kernel_type: wp.array[wp.int32],
         interface: wp.array[wp.int32],
         dt: wp.array[real],
@@ -124,8 +163,9 @@ def make_deformation(s: Spec, planes: bool) -> DeformationKernels:
         P: wp.array[mat],
         shrink: wp.array[real],
     ):
-        """cof = J F⁻ᵀ [-] and the first Piola-Kirchhoff stress P = σ cof [Pa] (section 4; paper A eq 12).
+        """cof = J F⁻ᵀ K [-] and P = σ J F⁻ᵀ K [Pa], the first Piola-Kirchhoff stress with K (section 4; paper A eq 12).
 
+        K is the correction in the reference configuration, 1 without: the forces need either only in front of it.
         shrink bounds the largest contraction of a line, 1/λ_min <= sqrt(|F⁻¹ F⁻ᵀ|∞): waves cross the reference
         configuration so much faster. It is exact where the principal directions are the axes; 1 for particles without F.
         """
@@ -135,9 +175,10 @@ def make_deformation(s: Spec, planes: bool) -> DeformationKernels:
         shrink[i] = one
         if kernel_type[i] != LAGRANGIAN and interface[i] == 0:
             return
-        J = wp.determinant(F[i])
         inverse = wp.inverse(F[i])
-        cofactor = J * wp.transpose(inverse)
+        cofactor = wp.determinant(F[i]) * wp.transpose(inverse)
+        if wp.static(corrected):
+            cofactor = cofactor * K0[i]
         cof[i] = cofactor
         P[i] = sig[i] * cofactor
         C = inverse * wp.transpose(inverse)
@@ -146,4 +187,4 @@ def make_deformation(s: Spec, planes: bool) -> DeformationKernels:
             widest = wp.max(widest, wp.abs(C[c, 0]) + wp.abs(C[c, 1]) + wp.abs(C[c, 2]))
         shrink[i] = wp.max(one, wp.sqrt(widest))
 
-    return DeformationKernels(deformation, piola)
+    return DeformationKernels(rate, deformation, piola)

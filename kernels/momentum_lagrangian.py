@@ -25,6 +25,7 @@ class LagrangianTerms:
         erosion: Particles may have left all lists.
         coupled: There are Eulerian particles: the sums add to those of the Eulerian loop.
         mutual: The force of a pair of both types acts on its Eulerian member too: the conservative coupling.
+        sheet: Plane stress: the thickness changes.
         planes: Neighbour entries may be mirror images.
     """
 
@@ -33,6 +34,7 @@ class LagrangianTerms:
     erosion: bool
     coupled: bool
     mutual: bool
+    sheet: bool
     planes: bool
 
     @property
@@ -51,6 +53,13 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
     dot, product, half, zero, dim = tensor.dot, tensor.product, real(0.5), real(0.0), s.dim
     coupled, controlled = terms.coupled, terms.hourglass
 
+    @wp.func
+    def areal(rho: wp.array[real], thickness: wp.array[real], i: wp.int32):
+        """Mass over volume in the space of the problem, μ."""
+        if wp.static(terms.sheet):
+            return rho[i] * thickness[i]
+        return rho[i]
+
     @wp.kernel(module=s.module(__name__, "_".join(p for p in (smoothing.name, terms.tag) if p)))
     def momentum_lagrangian(
         offset: wp.int32,
@@ -61,11 +70,13 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
         m: wp.array[real],
         vol0: wp.array[real],
         rho: wp.array[real],
-        vol: wp.array[real],
+        thickness: wp.array[real],
         cs: wp.array[real],
+        rate0: wp.array[matrix],
         F: wp.array[matrix],
         cof: wp.array[matrix],
         P: wp.array[matrix],
+        G0: wp.array[vec],
         mat: wp.array[wp.int32],
         stiffness: wp.array[real],
         kernel_type: wp.array[wp.int32],
@@ -79,8 +90,9 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
         start0: wp.array[wp.int32],
         n_neigh0: wp.array[wp.int32],
         neigh0: wp.array[wp.int32],
-        g0: wp.array[vec],
-        g0_back: wp.array[vec],
+        slope0: wp.array[real],
+        w0: wp.array[real],
+        q0_sum: wp.array[vec],
         # out:
         dvdt: wp.array[vec],
         dedt: wp.array[real],
@@ -92,7 +104,8 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
 
         f_ab = V0_a V0_b (P_a g0_ab - P_b g0_ba + μ_a μ_b Π_ab/2 (n_b - n_a)), n_a = cof_a g0_ab, n_b = cof_b g0_ba, with
         μ = m/V: as V = J V0 and cof = J F⁻ᵀ the viscous part is section 4's
-        m_a m_b Π_ab/2 (J_a⁻¹ F_b⁻ᵀ g0_ba - J_b⁻¹ F_a⁻ᵀ g0_ab).
+        m_a m_b Π_ab/2 (J_a⁻¹ F_b⁻ᵀ g0_ba - J_b⁻¹ F_a⁻ᵀ g0_ab). P and cof hold the correction K, so that only
+        q_ab = K⁻¹ g0_ab is needed here. Of a Lagrangian particle Σ V0_b P_a g0_ab and the power P_a : Fdot need no loop.
         """
         i = wp.tid() + offset
         if dt[0] == zero:
@@ -104,7 +117,7 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
         first = start0[i]
         count = wp.where(kernel_type[i] == ERODED, 0, n_neigh0[i])
         xi, vi, P_i = x[i], v[i], P[i]
-        rho_i, cs_i, areal_i = rho[i], cs[i], m[i] / vol[i]
+        rho_i, cs_i, areal_i = rho[i], cs[i], areal(rho, thickness, i)
         # scalars, not vectors: the compiler keeps them in registers
         f_x, f_y, f_z, power, mu_max = real(0.0), real(0.0), real(0.0), real(0.0), real(0.0)
         visc_x, visc_y, visc_z, visc_power = real(0.0), real(0.0), real(0.0), real(0.0)
@@ -118,19 +131,27 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                 if not lagrangian and kernel_type[j] != LAGRANGIAN:
                     continue
             sign = mirror.sign(neigh0[k])
-            g = vec(g0[k])
-            back = -g
+            own = slope0[k] * (X[i] - mirror.point(X[j], sign, plane))
+            back = -own
             if wp.static(terms.corrected):
-                back = vec(g0_back[k])
+                own -= w0[k] * G0[i]
+                back -= w0[k] * mirror.vector(G0[j], sign)
             vji = mirror.vector(v[j], sign) - vi
-            inner = product(P_i, g)
-            stress = inner - product(mirror.tensor(P[j], sign), back)
-            power += dot(vji, inner)
-            f_x += stress[0]
+            stress = product(mirror.tensor(P[j], sign), back)
+            f_x -= stress[0]
             if wp.static(dim > 1):
-                f_y += stress[1]
+                f_y -= stress[1]
             if wp.static(dim > 2):
-                f_z += stress[2]
+                f_z -= stress[2]
+            if wp.static(coupled):
+                if not lagrangian:
+                    inner = product(P_i, own)
+                    power += dot(vji, inner)
+                    f_x += inner[0]
+                    if wp.static(dim > 1):
+                        f_y += inner[1]
+                    if wp.static(dim > 2):
+                        f_z += inner[2]
             xij = xi - mirror.point(x[j], sign, plane)
             closing = -dot(vji, xij)
             if closing < zero:
@@ -139,8 +160,8 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                 pi_ij = viscosity.pressure(
                     mu_ij, half * (cs_i + cs[j]), half * (rho_i + rho[j]), viscosity_alpha, viscosity_beta
                 )
-                area = product(mirror.tensor(cof[j], sign), back) - product(cof[i], g)
-                drag = (half * pi_ij * areal_i * (m[j] / vol[j])) * area
+                area = product(mirror.tensor(cof[j], sign), back) - product(cof[i], own)
+                drag = (half * pi_ij * areal_i * areal(rho, thickness, j)) * area
                 visc_power += dot(vji, drag)
                 visc_x += drag[0]
                 if wp.static(dim > 1):
@@ -159,6 +180,12 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                     zero_y += push[1]
                 if wp.static(dim > 2):
                     zero_z += push[2]
+        if lagrangian:
+            inner = product(P_i, q0_sum[i])
+            f_x += inner[0]
+            f_y += inner[1]
+            f_z += inner[2]
+            power = wp.ddot(P_i, rate0[i])
         per_mass = vol0[i] / m[i]
         a, powers = Accelerations(), Powers()
         dv, de = vec(), real(0.0)

@@ -1,10 +1,15 @@
-"""Gradients in the reference configuration, found once and kept (method section 4; paper A eq 2)."""
+"""What the loops over reference neighbours need of a pair, found once and kept (method section 4; paper A eq 2).
+
+Kept are V0_b W'/r and, with the correction, V0_b W, from which both gradients of a pair follow: with X = X_a - X_b
+V0_b g0_ab = K_a (V0_b W'/r X - V0_b W G_a) and V0_b g0_ba = -K_b (V0_b W'/r X + V0_b W G_b). That is a third of the memory
+that the two gradients would take, and reading them is what the loops wait for. There is no limiter of the ratio to the
+plain gradient as in the present configuration: a lattice has no need of one, and F stays exact everywhere.
+"""
 
 import functools
 
 import warp as wp
 
-from .correction import make_gradient
 from .kernel_type import ERODED
 from .mirror import make_mirror
 from .smoothing import Smoothing
@@ -14,52 +19,50 @@ from .tensor import make_tensor
 
 @functools.cache
 def make_reference(s: Spec, smoothing: Smoothing, corrected: bool, planes: bool) -> wp.Kernel:
-    """Build the kernel that fills the rows of gradients."""
-    real, vec, mat = s.real, s.vec, s.mat
-    mirror, dot, of_pair = make_mirror(s, planes), make_tensor(s).dot, make_gradient(s, corrected)
+    """Build the kernel that fills the rows."""
+    real, vec = s.real, s.vec
+    mirror, dot = make_mirror(s, planes), make_tensor(s).dot
     w, dw_r = smoothing.w, smoothing.dw_r
-    on = wp.constant(int(corrected))
     options = (smoothing.name, "corrected" * corrected, "planes" * planes)
 
     @wp.kernel(module=s.module(__name__, "_".join(filter(None, options))))
-    def reference_gradient(
+    def reference_pairs(
         offset: wp.int32,
         # in:
         X: wp.array[vec],
         vol0: wp.array[real],
         kernel_type: wp.array[wp.int32],
-        K: wp.array[mat],
-        G: wp.array[vec],
+        G0: wp.array[vec],
         h: real,
-        gradient_ratio: real,
         plane: vec,
         dt: wp.array[real],
         start0: wp.array[wp.int32],
         n_neigh0: wp.array[wp.int32],
         neigh0: wp.array[wp.int32],
         # out:
-        g0: wp.array[vec],
-        g0_back: wp.array[vec],
+        slope0: wp.array[real],
+        w0: wp.array[real],
+        q0_sum: wp.array[vec],
     ):
-        """g0 = V0_b g0_ab and g0_back = V0_b g0_ba [1/m], of X and V0 alone; without correction g0_ba = -g0_ab is not kept.
-
-        An eroded neighbour has none.
-        """
+        """slope0 = V0_b W'/r [1/m²], w0 = V0_b W [-] and q0_sum = Σ V0_b K⁻¹ g0_ab [1/m]; zero of eroded neighbours."""
         i = wp.tid() + offset
         if dt[0] == real(0.0):
             return
-        own = i * on
+        sum_s, sum_w = vec(), real(0.0)
         for k in range(start0[i], start0[i] + n_neigh0[i]):
             j = mirror.index(neigh0[k])
-            sign = mirror.sign(neigh0[k])
-            Xij = X[i] - mirror.point(X[j], sign, plane)
-            r = wp.sqrt(dot(Xij, Xij))
-            dw, w_ij, V_j = dw_r(r, h), w(r, h), real(vol0[j])
+            Xij = X[i] - mirror.point(X[j], mirror.sign(neigh0[k]), plane)
+            r, V_j = wp.sqrt(dot(Xij, Xij)), real(vol0[j])
             if kernel_type[j] == ERODED:
                 V_j = real(0.0)
-            g0[k] = V_j * of_pair(Xij, dw, w_ij, K[own], G[own], h, gradient_ratio)
+            slope = V_j * dw_r(r, h)
+            slope0[k] = slope
+            sum_s += slope * Xij
             if wp.static(corrected):
-                K_j, G_j = mirror.tensor(K[j], sign), mirror.vector(G[j], sign)
-                g0_back[k] = V_j * of_pair(-Xij, dw, w_ij, K_j, G_j, h, gradient_ratio)
+                w0[k] = V_j * w(r, h)
+                sum_w += V_j * w(r, h)
+        if wp.static(corrected):
+            sum_s -= sum_w * G0[i]
+        q0_sum[i] = sum_s
 
-    return reference_gradient
+    return reference_pairs

@@ -1,4 +1,4 @@
-"""Reference neighbours of Lagrangian particles and their gradients: found once (method section 4)."""
+"""Reference neighbours of Lagrangian particles and what the step loops need of each: found once (method section 4)."""
 
 from collections.abc import Callable
 
@@ -21,9 +21,10 @@ class Reference:
         start0: Row offsets, shape [n + 1], int32.
         n_neigh0: Entries in use in each row, shape [n], int32.
         neigh0: Entries, see `warpsph.rows.Rows`.
-        g0: Gradients V0_b g0_ab of the entries [1/m], shape [capacity, 3].
-        g0_back: V0_b g0_ba with correction; else it is -g0, and 1 long.
-        K0: Correction in the reference configuration, see `kernels.correction`.
+        slope0: V0_b W'/r of the entries [1/m²], shape [capacity].
+        w0: V0_b W of them with correction [-]; else 1 long.
+        q0_sum: Sum of a row's gradients before K, shape [n, 3].
+        K0: Correction in the reference configuration, see `kernels.correction`; 1 long without.
         G0: The same.
         mean_count: Mean number of reference neighbours.
     """
@@ -50,14 +51,15 @@ class Reference:
         self._corrected = corrected
         self._search = make_neighbours(spec, planes, same_body=True)
         self._correction = make_correction(spec, smoothing, planes, coupled=True) if corrected else None
-        self._gradient = make_reference(spec, smoothing, corrected, planes)
+        self._pairs = make_reference(spec, smoothing, corrected, planes)
         n = particles.n if corrected else 1
         with wp.ScopedDevice(launcher.device):
             self.K0 = wp.zeros(n, dtype=spec.mat)
             self.G0 = wp.zeros(n, dtype=spec.vec)
+            self.q0_sum = wp.zeros(particles.n, dtype=spec.vec)
 
     def build(self) -> None:
-        """Find reference neighbours in the particles' present order in memory; `gradients` finds theirs anew."""
+        """Find reference neighbours in the particles' present order in memory; `pairs` has to follow."""
         p, spec = self._particles, self._particles.spec
         rows = Rows(p.n, spec.dim, spec.real, self._search, self._launcher)
         rows.grid.build(p.X, self._neighbours.support)
@@ -65,13 +67,13 @@ class Reference:
         self.start0, self.n_neigh0, self.neigh0 = rows.start, rows.n_neigh, rows.neigh
         self.mean_count = rows.mean_count()
         with wp.ScopedDevice(self._launcher.device):
-            self.g0 = wp.zeros(rows.neigh.size, dtype=spec.vec)
-            self.g0_back = wp.zeros(rows.neigh.size if self._corrected else 1, dtype=spec.vec)
+            self.slope0 = wp.zeros(rows.neigh.size, dtype=spec.real)
+            self.w0 = wp.zeros(rows.neigh.size if self._corrected else 1, dtype=spec.real)
 
-    def gradients(self, bind: Callable[..., Command], when: str) -> list[Command]:
-        """The launches that find the gradients, of particles that are not eroded, where the array ``when`` is not zero."""
-        gradient = bind(self._gradient, K="K0", G="G0", dt=when)
+    def pairs(self, bind: Callable[..., Command], when: str) -> list[Command]:
+        """The launches that fill the rows, of particles that are not eroded, where the array ``when`` is not zero."""
+        pairs = bind(self._pairs, dt=when)
         if self._correction is None:
-            return [gradient]
+            return [pairs]
         rows = {"start": "start0", "n_neigh": "n_neigh0", "neigh": "neigh0"}
-        return [bind(self._correction, x="X", vol="vol0", K="K0", G="G0", dt=when, **rows), gradient]
+        return [bind(self._correction, x="X", vol="vol0", K="K0", G="G0", dt=when, **rows), pairs]

@@ -28,9 +28,10 @@ class Adaptive(Lagrangian):
         super().__init__(settings, spec, numerics, planes, correction=s.correction)
         coupling = Coupling(numerics.coupling, numerics.interface_stress, numerics.contact is not None)
         mutual = numerics.coupling == "conservative"
+        sheet = numerics.plane == "stress" and spec.dim == 2
         terms = PairTerms(s.correction, False, s.artificial_stress, planes, coupling)
         lagrangian_terms = LagrangianTerms(
-            settings.correction, numerics.hourglass > 0.0, False, True, mutual, planes
+            settings.correction, numerics.hourglass > 0.0, False, True, mutual, sheet, planes
         )
         self._momentum = make_momentum(spec, self.smoothing, terms)
         self._momentum_lagrangian = make_momentum_lagrangian(spec, self.smoothing, lagrangian_terms)
@@ -62,7 +63,8 @@ class Adaptive(Lagrangian):
             self._contact,  # and from other bodies
             self._integrate.kick,  # v' = v + dt A, e' exact in energy
             self._velocity_gradient,  # L from v' at x of Eulerian particles
-            self._deformation.deformation,  # F' from v', and L of Lagrangian ones
+            self._deformation.rate,  # Fdot from v', of Lagrangian ones and their neighbours
+            self._deformation.deformation,  # F', and L of Lagrangian ones
             self._constitutive,  # ρ', τ', ε_p', p', σ'
             self._deformation.piola,  # P' from σ' and F'
         )

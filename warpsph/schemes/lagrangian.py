@@ -36,7 +36,7 @@ class Lagrangian(Scheme):
         )  # fmt: skip
         self.viscosity_alpha, self.viscosity_beta = viscosity(settings, numerics)
         self.reference_correction, self.hourglass = settings.correction, numerics.hourglass
-        self._deformation = make_deformation(spec, planes)
+        self._deformation = make_deformation(spec, settings.correction, planes)
         given = numerics.conversion
         self.turns = int(numerics.inverted == "convert")
         self.layers, self.strain_limit = (given.layers, given.strain or 1.0) if given else (0, 1.0)
@@ -45,16 +45,24 @@ class Lagrangian(Scheme):
     def arrays(self, n: int) -> dict[str, wp.array]:
         """Add cofactor, first Piola-Kirchhoff stress and what the ends of Lagrangian particles need."""
         s = self._spec
-        fresh = {"cof": s.mat, "P": s.mat, "fate": wp.int32, "fate_next": wp.int32, "interface": wp.int32}
+        fresh = {
+            "rate0": s.mat,
+            "cof": s.mat,
+            "P": s.mat,
+            "fate": wp.int32,
+            "fate_next": wp.int32,
+            "interface": wp.int32,
+        }
         lagrangian = {name: wp.zeros(n, dtype=dtype) for name, dtype in fresh.items()}
         flags = {name: wp.zeros(1, dtype=s.real) for name in ("spreading", "changed")}
         return super().arrays(n) | lagrangian | flags | {"shrink": wp.ones(n, dtype=s.real)}
 
     def derive(self, bind: Bind) -> list[Command]:
-        """Reference gradients from X, interfaces from the kernel types, cofactor and P from F and σ."""
+        """Reference pairs from X, interfaces from the kernel types, Fdot from v, cofactor and P from F and σ."""
         return [
-            *self.reference.gradients(bind, "dt"),
+            *self.reference.pairs(bind, "dt"),
             bind(self._ends.interfaces, changed="dt"),
+            bind(self._deformation.rate),
             bind(self._deformation.piola),
         ]
 
@@ -68,8 +76,9 @@ class TotalLagrangian(Lagrangian):
         """Pick the kernels; ``alone``: there is one body, so that no step needs to search."""
         super().__init__(settings, spec, numerics, planes, correction=False)
         self.searching = not alone
+        sheet = numerics.plane == "stress" and spec.dim == 2
         terms = LagrangianTerms(
-            settings.correction, numerics.hourglass > 0.0, numerics.erosion, False, False, planes
+            settings.correction, numerics.hourglass > 0.0, numerics.erosion, False, False, sheet, planes
         )
         self._momentum = make_momentum_lagrangian(spec, self.smoothing, terms)
         self._erodes = numerics.erosion
@@ -86,7 +95,8 @@ class TotalLagrangian(Lagrangian):
             self._momentum,  # A and B from P at x
             self._contact,  # and from other bodies
             self._integrate.kick,  # v' = v + dt A, e' exact in energy
-            self._deformation.deformation,  # F', L from v'
+            self._deformation.rate,  # Fdot from v'
+            self._deformation.deformation,  # F' and L
             self._constitutive,  # ρ' = ρ0/J', τ', ε_p', p', σ'
         )
         rest = bound(
@@ -105,7 +115,8 @@ class TotalLagrangian(Lagrangian):
             bind(self._ends.begin, 1),
             *judge,
             bind(self._ends.erode),
-            *self.reference.gradients(bind, "changed"),  # without those that have left
+            *self.reference.pairs(bind, "changed"),  # without those that have left,
+            bind(self._deformation.rate, dt="changed"),  # whose power must not be counted either
         ]
 
 
