@@ -101,12 +101,13 @@ def make_neighbours(
         offset: wp.int32,
         # in:
         n_neigh: wp.array[wp.int32],
+        lasting: wp.int32,
         # out:
         room: wp.array[wp.int32],
     ):
-        """Give every row half as much again as it needs now, and `SLACK` places."""
+        """Give every row half as much again as it needs now, and `SLACK` places; one place where it is ``lasting``."""
         i = wp.tid() + offset
-        room[i] = n_neigh[i] + n_neigh[i] / 2 + slack
+        room[i] = wp.where(lasting == 1, n_neigh[i] + 1, n_neigh[i] + n_neigh[i] / 2 + slack)
 
     @wp.kernel(module=module)
     def cell_order(

@@ -1,6 +1,6 @@
 """Steel sphere perforates a clamped aluminium plate at 500 m/s (Young et al., AdapTLE, section 3.3)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -29,6 +29,15 @@ SMOOTHING_RATIO = 1.2
 
 SCHEMES = {"eul": "sav1", "tlag": "tl", "patch": "adaptle", "adaptle": "adaptle"}
 """The paper's four simulations by the engine's schemes, those with gradients corrected in the reference."""
+
+FINITE_ELEMENTS = {
+    "debris_velocity": 299.0,
+    "plug_velocity": 343.0,
+    "impact_diameter": 14.20e-3,
+    "plug_width": 8.75e-3,
+    "lip_height": 8.71e-3,
+}
+"""The paper's finite elements: velocities [m/s] and lengths [m] at the end."""
 
 EULERIAN, ERODED = 0, 2
 """Values of ``kernel_type``."""
@@ -95,6 +104,7 @@ def build(
     look = once(lambda state: pieces(state, quarter, crumbles=carries == "compression"))
     add_velocities(scene, look)
     add_lengths(scene, look)
+    add_errors(scene)
     add_shares(scene, look, lagrangian)
     return scene
 
@@ -140,14 +150,15 @@ class Pieces:
     """The plate's particles, those of a quarter with their mirror images, and what they belong to.
 
     Two particles belong together if a chain of particles links them in which neighbours are within one support.
-    Particles that bear no tension any more, eroded or failed ones, link nothing and belong to nothing.
+    Particles that bear no tension any more, eroded or failed ones, link nothing. Failed ones belong to the plate while
+    they lie on it; eroded ones belong to nothing.
 
     Attributes:
         x: Positions [m], shape [n, 3].
         v: Velocities along z [m/s], shape [n].
         damage: Damage, shape [n].
         clamped: Whether it is clamped, shape [n], bool.
-        plate: Whether it belongs together with a clamped particle, shape [n], bool.
+        plate: Whether it belongs together with a clamped particle, or lies on those that do, shape [n], bool.
         plug: Whether it belongs to the largest piece whose middle is ahead of the sphere's and that is no part of
             ``plate``, shape [n], bool.
     """
@@ -176,13 +187,34 @@ def pieces(state: State, quarter: bool, crumbles: bool) -> Pieces:
     v, damage, clamped, kernel_type = (
         np.tile(values[of], copies) for values in (state.v[:, 2], state.D, state.fixed > 0, state.kernel_type)
     )
-    label = np.full(len(x), -1)
-    linked = (kernel_type != ERODED) & ~(crumbles & (damage >= 1.0))
-    label[linked] = groups(x[linked], 2.0 * state.h)
-    plate = linked & np.isin(label, label[clamped & linked])
+    left = kernel_type != ERODED
+    crumbs = left & crumbles & (damage >= 1.0)
+    linked = left & ~crumbs
+    plate, label = held(x, linked, clamped, 2.0 * state.h)
     loose = linked & ~plate
     plug = loose & (label == foremost(label[loose], x[loose, 2], middle(state)))
-    return Pieces(x, v, damage, clamped, plate, plug)
+    covered, _ = held(x, plate | crumbs, plate, 2.0 * state.h)
+    return Pieces(x, v, damage, clamped, covered, plug)
+
+
+def held(
+    x: np.ndarray, linked: np.ndarray, holders: np.ndarray, reach: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Find the particles that a chain of linked ones connects with a holder.
+
+    Args:
+        x: Positions [m], shape [n, 3].
+        linked: Which particles can be part of a chain, shape [n], bool.
+        holders: What has to be at its end, shape [n], bool.
+        reach: Largest distance from one to the next [m].
+
+    Returns:
+        Which particles are held, shape [n], bool, and the number of each one's group, see `warpsph.measure.groups`; -1
+        for those not linked.
+    """
+    label = np.full(len(x), -1)
+    label[linked] = groups(x[linked], reach)
+    return linked & np.isin(label, label[holders & linked]), label
 
 
 def foremost(label: np.ndarray, z: np.ndarray, front: float) -> int:
@@ -204,7 +236,7 @@ def middle(state: State) -> float:
 
 
 def lip(found: Pieces, spacing: float) -> np.ndarray:
-    """Outermost particles of the lip around the hole [m], shape [k, 3]: in each sector, the one farthest along z.
+    """Particles of the lip [m], shape [2, k, 3]: in each sector, the one farthest along z and that nearest the axis.
 
     Looked at is the plate within a diameter of the axis. There is no hole, and k is 0, while the plate reaches to
     within a spacing of the axis.
@@ -212,13 +244,18 @@ def lip(found: Pieces, spacing: float) -> np.ndarray:
     x = found.x[found.plate]
     r = np.hypot(x[:, 0], x[:, 1])
     if r.min(initial=np.inf) <= spacing:
-        return np.empty((0, 3))
-    x = x[r < DIAMETER]
+        return np.empty((2, 0, 3))
+    x, r = x[r < DIAMETER], r[r < DIAMETER]
     turn = np.arctan2(x[:, 1], x[:, 0]) / (2.0 * np.pi)
     sector = np.round(SECTORS * turn).astype(int) % SECTORS
-    order = np.lexsort((x[:, 2], sector))
-    last = np.flatnonzero(np.diff(sector[order], append=SECTORS))
-    return x[order[last]]
+    orders = (np.lexsort((key, sector)) for key in (x[:, 2], -r))
+    last = np.flatnonzero(np.diff(np.sort(sector), append=SECTORS))
+    return np.stack([x[order[last]] for order in orders])
+
+
+def across(x: np.ndarray) -> float:
+    """Twice the mean distance from the axis [m] of positions [m], shape [k, 3]; 0 if there are none."""
+    return float(2.0 * np.hypot(x[:, 0], x[:, 1]).mean()) if len(x) else 0.0
 
 
 def add_velocities(scene: Scene, look: Callable[[State], Pieces]) -> None:
@@ -235,9 +272,9 @@ def add_velocities(scene: Scene, look: Callable[[State], Pieces]) -> None:
 def add_lengths(scene: Scene, look: Callable[[State], Pieces]) -> None:
     """Add lengths, all between the centres of particles, 0 while there is no plug or no hole.
 
-    The plug's width is its mean extent along x and y. The hole's diameter is twice the mean distance of the lip's
-    outermost particles from the axis, the lip's height the mean distance, along z, from the clamped particles of the
-    rear layer to them.
+    The plug's width is its mean extent along x and y. The impact diameter is twice the mean distance of the lip's
+    outermost particles, those farthest along z, from the axis; the lip's height the mean distance, along z, from the
+    clamped particles of the rear layer to them. The hole's diameter is that of the lip where it is narrowest.
     """
 
     def width(state: State) -> float:
@@ -245,22 +282,37 @@ def add_lengths(scene: Scene, look: Callable[[State], Pieces]) -> None:
         x = found.x[found.plug]
         return 0.5 * (extent(x[:, 0]) + extent(x[:, 1])) if len(x) else 0.0
 
-    def diameter(state: State) -> float:
-        x = lip(look(state), state.spacing)
-        return float(2.0 * np.hypot(x[:, 0], x[:, 1]).mean()) if len(x) else 0.0
-
     def height(state: State) -> float:
         found = look(state)
-        x = lip(found, state.spacing)
-        return float(x[:, 2].mean() - found.x[found.clamped, 2].max()) if len(x) else 0.0
+        z = lip(found, state.spacing)[0, :, 2]
+        return float(z.mean() - found.x[found.clamped, 2].max()) if len(z) else 0.0
+
+    def diameter(place: int) -> Callable[[State], float]:
+        return lambda state: across(lip(look(state), state.spacing)[place])
 
     scene.add_measure("plug_width", width, "m")
-    scene.add_measure("impact_diameter", diameter, "m")
+    scene.add_measure("impact_diameter", diameter(0), "m")
+    scene.add_measure("hole_diameter", diameter(1), "m")
     scene.add_measure("lip_height", height, "m")
+
+
+def add_errors(scene: Scene) -> None:
+    """Add the mean error to the finite elements of the two velocities, and of them and the three lengths."""
+    functions = {name: scene.measures[name].function for name in FINITE_ELEMENTS}
+
+    def error(names: Iterable[str]) -> Callable[[State], float]:
+        return lambda state: float(
+            np.mean([abs(functions[n](state) / FINITE_ELEMENTS[n] - 1.0) for n in names])
+        )
+
+    scene.add_measure("velocity_error", error(("debris_velocity", "plug_velocity")), "1")
+    scene.add_measure("mean_error", error(FINITE_ELEMENTS), "1")
 
 
 def add_shares(scene: Scene, look: Callable[[State], Pieces], lagrangian: np.ndarray) -> None:
     """Add how many particles of the plate have failed or flown off, and the share of all that has become Eulerian.
+
+    What has flown off belongs neither to the plate nor to the plug.
 
     Args:
         scene: The scene.

@@ -27,6 +27,9 @@ CONTACT_STIFFNESS = 2e18 * 1e-4**2 / 79.06e9
 CONVERSION_STRAIN = 0.85
 """Equivalent strain from which on the paper's particles are Eulerian."""
 
+INSIDE = 0.8
+"""Share of the radius within which tension is looked for: single particles torn off the rim are no measure of it."""
+
 
 def build(
     scheme: str = "sav1",
@@ -80,7 +83,7 @@ def build(
 
 
 def add_pressures(scene: Scene, distance: np.ndarray) -> None:
-    """Add what the disc's centre has seen: extremes that its particle keeps, and the peak of an average beside it.
+    """Add what the disc has seen: extremes at its centre, the peak of an average beside it, and the tension inside.
 
     Args:
         scene: The scene.
@@ -91,16 +94,18 @@ def add_pressures(scene: Scene, distance: np.ndarray) -> None:
     scene.add_measure("peak_pressure", lambda state: float(state.p_high[nearest]), "Pa")
     scene.add_measure("peak_pressure_mean", lambda state: float(state.p[beside].mean()), "Pa", peak=True)
     scene.add_measure("peak_tension", lambda state: float(0.0 - state.p_low[nearest]), "Pa")
-    scene.add_measure("tension_time", partial(record_time, particle=nearest), "s", peak=True)
+    inside = np.flatnonzero(distance <= INSIDE * RADIUS)
+    scene.add_measure("projectile_tension", lambda state: float(0.0 - state.p_low[inside].min()), "Pa")
+    scene.add_measure("tension_time", partial(record_time, particles=inside), "s", peak=True)
 
 
-def record_time(state: State, particle: int) -> float:
-    """Time [s] if a particle is under the highest tension that it has ever been under, else 0.
+def record_time(state: State, particles: np.ndarray) -> float:
+    """Time [s] if the highest tension that any of the particles has ever been under is there now, else 0.
 
     The latest such time is when the tension peaked, to one row of the history.
     """
-    pressure = state.p[particle]
-    return state.time if pressure < 0.0 and pressure <= state.p_low[particle] else 0.0
+    pressure = state.p[particles].min()
+    return state.time if pressure < 0.0 and pressure <= state.p_low[particles].min() else 0.0
 
 
 def add_lengths(scene: Scene, rear: np.ndarray) -> None:

@@ -5,7 +5,8 @@ import pytest
 from tools import DENSITY, ELASTIC, FLUID, REALS, SPACING, by_id, collision, jittered, run, scene
 
 from warpsph.balance import Balance, energy
-from warpsph.schemes import SCHEMES
+from warpsph.config import Contact, Conversion
+from warpsph.schemes import SCHEMES, LagrangianSettings
 from warpsph.shapes import Box
 from warpsph.solver import Solver
 
@@ -151,6 +152,121 @@ def test_a_symmetry_plane_conserves_energy(axes, scheme):
     assert balance.energy_error < 1e-13
     assert balance.momentum_error < 1e-13  # along the plane, where there is one only
     assert (by_id(solver, "x")[:, ["xy".index(a) for a in axes]] > 0.0).all()
+
+
+LAGRANGIAN = [name for name, settings in SCHEMES.items() if isinstance(settings, LagrangianSettings)]
+CONVERSION, CONTACT = Conversion(strain=0.08), Contact(stiffness=0.25)
+
+
+def lopsided(dim, **options):
+    """A collision with half of one ball of another material: no symmetry keeps its momentum."""
+    made = collision(dim, **options)
+    axis = min(dim, 2) - 1
+    made.set_material("right", "steel", lambda x: x[:, axis] > x[:, axis].mean())
+    return made
+
+
+@pytest.mark.parametrize("contact", [None, CONTACT], ids=["kernel contact", "contact"])
+@pytest.mark.parametrize("scheme", LAGRANGIAN)
+def test_lagrangian_particles_conserve(scheme, contact):
+    """Converting while they collide, with zero-energy control, in contact or not."""
+    converts = {"conversion": CONVERSION} if "adaptle" in scheme else {}
+    made = lopsided(2, scheme=scheme, speed=900.0, contact=contact, hourglass=5.0, **converts)
+    balance, solver = balanced(made, TIME)
+    assert solver.ledger()["internal_energy"] > 0.05 * energy(balance.start)
+    assert balance.energy_error < 1e-13
+    assert balance.momentum_error < 1e-13
+    if converts:
+        assert 0.1 < solver.tally()["converted_share"] < 1.0
+    if contact:
+        assert solver.ledger()["contact_work"] != 0.0
+
+
+@pytest.mark.parametrize(
+    ("dim", "scheme"), [(1, "tl"), (1, "adaptle-mixed-as"), (3, "tl"), (3, "adaptle-as")]
+)
+def test_lagrangian_particles_conserve_in_1d_and_3d(dim, scheme):
+    converts = {"conversion": Conversion(strain=0.02)} if "adaptle" in scheme else {}
+    made = lopsided(dim, scheme=scheme, radius=3.6, speed=900.0, contact=CONTACT, **converts)
+    balance, solver = balanced(made, TIME)
+    assert balance.energy_error < 1e-13
+    assert balance.momentum_error < 1e-13
+    assert (solver.tally()["converted_share"] > 0.0) == bool(converts)
+
+
+@pytest.mark.parametrize("scheme", ["tl", "adaptle-as"])
+def test_lagrangian_particles_conserve_to_single_precision(scheme):
+    converts = {"conversion": CONVERSION} if "adaptle" in scheme else {}
+    made = lopsided(2, scheme=scheme, speed=900.0, contact=CONTACT, **converts)
+    balance, _ = balanced(made, TIME, precision="float32")
+    assert balance.energy_error < 1e-5
+    assert balance.momentum_error < 1e-5
+
+
+@pytest.mark.parametrize("stress", ["both", "none", "eulerian"])
+def test_artificial_stress_at_the_interface(stress):
+    """On both members of a pair, or on none, it conserves; on the Eulerian one alone it cannot."""
+    made = scene(2, scheme="adaptle-as", interface_stress=stress)
+    x = jittered(2, 12)
+    made.add_body("body", x, ELASTIC, velocity=lambda x: 2e4 * (x - x.mean(axis=0)))
+    made.make_eulerian("body", lambda x: x[:, 0] > 5.5 * SPACING)
+    balance, solver = balanced(made, 4e-6)
+    assert solver.ledger()["artificial_stress_work"] != 0.0
+    assert (balance.momentum_error < 1e-13) == (stress != "eulerian")
+    assert (balance.energy_error < 1e-13) == (stress != "eulerian")
+
+
+def test_the_printed_coupling_does_not_conserve():
+    """Each particle of a pair sums in a configuration of its own: momentum and energy drift where they are strained."""
+    errors = []
+    for coupling in ("printed", "conservative"):
+        made = lopsided(2, scheme="adaptle", speed=900.0, conversion=CONVERSION, coupling=coupling)
+        balance, solver = balanced(made, TIME)
+        assert solver.tally()["converted_share"] > 0.1
+        errors.append((balance.energy_error, balance.momentum_error))
+    assert min(errors[0]) > 1e-4 and max(errors[0]) < 0.2
+    assert max(errors[1]) < 1e-13
+
+
+def turning(scheme, **numerics):
+    """A disordered elastic patch that spins and is stretched."""
+    made = scene(2, scheme=scheme, viscosity_alpha=0.0, viscosity_beta=0.0, **numerics)
+    spin, squeeze = 2e4 * np.array([0.0, 0.0, 1.0]), np.diag([1e4, -2e4, 0.0])
+    made.add_body(
+        "patch", jittered(2, 12), ELASTIC, velocity=lambda x: np.cross(spin, x - 5.5 * SPACING) + x @ squeeze
+    )
+    return made
+
+
+@pytest.mark.parametrize("hourglass", [0.0, 10.0])
+def test_corrected_gradients_keep_angular_momentum(hourglass):
+    """F is then the gradient of the positions, P Fᵀ is symmetric, and the control's forces are central; plain ones lose it."""
+    errors = []
+    for scheme in ("tl", "tl-plain"):
+        balance, _ = balanced(turning(scheme, hourglass=hourglass), 1e-5)
+        assert balance.energy_error < 1e-13 and balance.momentum_error < 1e-13
+        errors.append(balance.angular_momentum_error)
+    assert errors[0] < 1e-13
+    assert errors[1] > 0.01
+
+
+@pytest.mark.parametrize(
+    ("scheme", "axes"), [("tl", "x"), ("tl", "xy"), ("adaptle-as", "x"), ("adaptle-mixed", "xy")]
+)
+def test_lagrangian_particles_conserve_energy_at_a_plane(scheme, axes):
+    converts = {"conversion": Conversion(strain=0.03)} if "adaptle" in scheme else {}
+    made = scene(2, scheme=scheme, hourglass=5.0, **converts)
+    made.add_body(
+        "block", Box((0.0, 0.0), (10 * SPACING, 8 * SPACING)), "aluminium", velocity=(-200.0, -100.0)
+    )
+    for axis in axes:
+        made.add_symmetry_plane(axis, 0.0)
+    balance, solver = balanced(made, TIME)
+    assert solver.ledger()["internal_energy"] > 0.05 * energy(balance.start), "it has hit its image"
+    assert balance.energy_error < 1e-13
+    assert balance.momentum_error < 1e-13  # along the plane, where there is one only
+    assert (by_id(solver, "x")[:, ["xy".index(a) for a in axes]] > 0.0).all()
+    assert (not converts) or solver.tally()["converted_share"] > 0.0
 
 
 @pytest.mark.parametrize("precision", REALS)

@@ -9,6 +9,7 @@ import warp as wp
 from test_neighbours import expected as brute_force
 from test_neighbours import listed
 from tools import (
+    DENSITY,
     ELASTIC,
     REALS,
     SPACING,
@@ -24,6 +25,7 @@ from tools import (
 from warpsph import materials as lib
 from warpsph.config import Conversion
 from warpsph.kernels.kernel_type import EULERIAN, LAGRANGIAN
+from warpsph.kernels.timestep import RUNNING
 from warpsph.solver import Solver
 
 STATE = ("x", "v", "rho", "e", "tau", "ep", "D", "m", "p")
@@ -188,6 +190,7 @@ def test_conversion_is_once_and_for_all():
     stretch(solver, i, 1.6)
     one_step(solver)
     stretch(solver, i, 1.0)
+    overwrite(solver, rho=np.full(solver.particles.n, DENSITY), vol=by_id(solver, "vol0"))
     for _ in range(3):
         assert converted(one_step(solver)) == {i}
     assert solver.tally()["converted_share"] == 1.0 / solver.particles.n
@@ -239,7 +242,7 @@ def test_rows_of_the_converted_are_complete_in_every_step(monkeypatch):
         near = {
             (a, b) for a, b, _ in brute_force(solver, 2.0 * solver.data.h) if (a in eulerian or b in eulerian)
         }
-        if solver._plan().status == 0:  # the rows are to be used as they are
+        if solver._plan().status == RUNNING:  # the rows are to be used as they are
             rows = {(a, b) for a, b, _ in listed(solver)}
             assert near <= rows
             seen.append(len(eulerian))
@@ -282,3 +285,24 @@ def test_a_run_reports_the_share():
     assert 0.05 < share < 0.95
     assert solver.tally()["converted_share"] == pytest.approx(share)
     assert solver.tally()["eroded"] == 0
+
+
+@pytest.mark.parametrize(
+    ("density", "F"), [(1.4, 1.0), (1.0, 0.2)], ids=["J apart from the density", "F too far"]
+)
+def test_a_stale_deformation_gradient_releases_its_neighbours(density, F):
+    """An Eulerian interface particle whose F no longer describes its matter converts its Lagrangian neighbours, counted."""
+    made = scene(2, scheme="adaptle")
+    made.add_body("block", jittered(2, 15, 0.0), ELASTIC)
+    made.make_eulerian("block", lambda x: x[:, 0] > 9.5 * SPACING)
+    solver = one_step(Solver(made.finalize()))
+    before, i = converted(solver), 10 * 15 + 7  # beside the interface
+    rho, vol = by_id(solver, "rho"), by_id(solver, "vol")
+    rho[i], vol[i] = density * rho[i] / F, vol[i] * F / density
+    gradient = by_id(solver, "F")
+    gradient[i] = np.diag([F, 1.0, 1.0])
+    overwrite(solver, rho=rho, vol=vol, F=gradient)
+    expected = before | within(solver, i, 2.0 * solver.data.h)
+    assert i in before and expected > before
+    assert converted(one_step(solver)) == expected
+    assert solver.tally()["inverted"] == 1

@@ -40,14 +40,6 @@ def strained(solver, strain, dim):
     return np.abs(forces(solver)[0][inside]).max() * DENSITY * SPACING / (STIFF * strain)
 
 
-@pytest.fixture
-def unlimited(monkeypatch):
-    """A coupled scheme of corrected gradients that are never limited."""
-    eulerian = EulerianSettings("monaghan", 1.0, 2.0, correction=True, gradient_ratio=np.nan)
-    monkeypatch.setitem(SCHEMES, "unlimited", LagrangianSettings(eulerian, gradient_ratio=np.nan))
-    return "unlimited"
-
-
 @pytest.mark.parametrize("scheme", ["adaptle", "adaptle-plain", "adaptle-mixed"])
 @pytest.mark.parametrize("dim", DOUBLE)
 def test_printed_coupling_under_uniform_strain(dim, scheme):
@@ -96,7 +88,7 @@ def test_no_strain_no_difference(coupling):
 @pytest.mark.parametrize("dim", DOUBLE)
 def test_interface_particles_keep_their_deformation_gradient(dim, monkeypatch):
     """Eulerian particles with a Lagrangian reference neighbour follow an affine motion; the others' F stays as it was."""
-    gradient = LagrangianSettings(EulerianSettings("monaghan", 0.0, 0.0), True, 0.0, 0.0, np.nan)
+    gradient = LagrangianSettings(EulerianSettings("monaghan", 0.0, 0.0), True, 0.0, 0.0)
     monkeypatch.setitem(SCHEMES, "exact", gradient)
     made, n = scene(dim, scheme="exact"), COUNT[dim]
     A = np.zeros((3, 3))

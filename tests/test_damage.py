@@ -197,6 +197,44 @@ def test_damaged_metal_keeps_its_strength(precision):
         np.testing.assert_array_equal(found[name], expected[name])
 
 
+COMPRESSION = lib.Material(
+    "failing",
+    PLATE.density,
+    PLATE.eos,
+    PLATE.strength,
+    PLATE.pressure_cutoff,
+    lib.JohnsonCookDamage(D1=0.45, D4=0.0138, carries="compression"),
+)
+"""The plate, if a failed particle carries compression only."""
+
+
+def test_a_failed_metal_may_carry_compression_only(precision):
+    """Neither shear nor tension from the step on in which it fails; until then no difference, and none in compression."""
+    shear, apart, together = 1e5 * np.diag([1.0, -1.0, 0.0]), 1e4 * np.eye(3), -1e4 * np.eye(3)
+    whole, early = (deform(shear, 1e-7, 10, material=m, spec=precision) for m in (PLATE, COMPRESSION))
+    assert early["D"] < 1.0
+    for name in ("tau", "p", "ep", "T", "D"):
+        np.testing.assert_array_equal(early[name], whole[name])
+    failed, intact = (deform(shear, 1e-7, 100, material=m, spec=precision) for m in (COMPRESSION, PLATE))
+    assert failed["D"] == intact["D"] == 1.0
+    assert not failed["tau"].any() and np.abs(intact["tau"]).max() > 1e8
+    for L, carried in ((apart, False), (together, True)):
+        loose, held = (
+            deform(L, 1e-8, 20, material=m, spec=precision, state=state)
+            for m, state in ((COMPRESSION, failed), (PLATE, intact))
+        )
+        assert (abs(held["p"]) > 1e8) and np.abs(held["tau"]).max() > 1e8
+        assert not loose["tau"].any()
+        assert loose["p"] == (pytest.approx(float(held["p"]), rel=1e-4) if carried else 0.0)
+        assert loose["cl"] > 0.0
+
+
+def test_it_fails_within_one_step_to_nothing(precision):
+    """A step in which D reaches 1 leaves no shear behind, as in a ceramic."""
+    state = deform(1e5 * np.diag([1.0, -1.0, 0.0]), 1e-5, 1, material=COMPRESSION, spec=precision)
+    assert state["D"] == 1.0 and not state["tau"].any() and np.isfinite(state["ep"])
+
+
 def test_plate_fails_at_its_strain(precision):
     """D = Σ Δεp/ε_f with ε_f = 0.45 (1 + 0.0138 ln ε̇)."""
     L = 1e5 * np.diag([1.0, -1.0, 0.0])

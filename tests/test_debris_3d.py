@@ -94,7 +94,7 @@ def test_measures_of_a_known_perforation(quarter):
     assert found["debris_velocity"] == pytest.approx(300.0)
     assert found["plug_velocity"] == pytest.approx(350.0)
     assert found["plug_width"] == pytest.approx(7e-3)
-    assert HOLE < 0.5 * found["impact_diameter"] < HOLE + data.spacing
+    assert HOLE < 0.5 * found["hole_diameter"] <= 0.5 * found["impact_diameter"] < HOLE + data.spacing
     assert found["lip_height"] == pytest.approx(RIM - 0.5 * found["impact_diameter"])
     assert found["failed"] == found["spalled"] == spall.sum() * (4 if quarter else 1)
     assert found["converted_share"] == pytest.approx(spall.mean())
@@ -118,9 +118,24 @@ def test_what_bears_no_tension_links_nothing():
 
     for intact in (taken_apart(0 * ring, 0 * ring, True), taken_apart(ring, 0 * ring, False)):
         assert intact.plate.all() and not intact.plug.any()
-    for cut in (taken_apart(ring, 0 * ring, True), taken_apart(0 * ring, debris.ERODED * ring, False)):
+    failed, gone = taken_apart(ring, 0 * ring, True), taken_apart(ring, debris.ERODED * ring, True)
+    for cut in (failed, gone):
         assert cut.plug.sum() == 4 * (plate & (r <= 4e-3)).sum()
-        assert cut.plate.sum() == 4 * (plate & (r >= 8e-3)).sum()
+    assert failed.plate.sum() == 4 * (plate & (r > 4e-3)).sum(), "what has failed lies on the plate"
+    assert gone.plate.sum() == 4 * (plate & (r >= 8e-3)).sum()
+
+
+def test_an_overhanging_lip_is_narrower_than_its_tip():
+    """A plate of two rings, the inner one nearer the axis and lower: they are the hole's edge and the lip's tip."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)
+    ring = np.stack((np.cos(turn), np.sin(turn), 0.0 * turn), axis=1)
+    x = np.concatenate((7e-3 * ring + (0.0, 0.0, 8e-3), 8e-3 * ring + (0.0, 0.0, 9e-3)))
+    every, none = np.ones(len(x), dtype=bool), np.zeros(len(x), dtype=bool)
+    found = debris.Pieces(x, x[:, 2], x[:, 2], none, every, none)
+    tip, edge = debris.lip(found, 1e-3)
+    assert (debris.across(tip), debris.across(edge)) == pytest.approx((16e-3, 14e-3))
+    assert tip[:, 2] == pytest.approx(9e-3) and edge[:, 2] == pytest.approx(8e-3)
+    assert len(tip) == debris.SECTORS
 
 
 def test_the_plug_is_the_largest_piece_ahead():

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tools import SPACING, by_id, collision, scene
+from tools import SPACING, by_id, collision, jittered, scene
 
 from warpsph import cli
 from warpsph.errors import RunError
@@ -80,6 +80,38 @@ def test_a_scene_beyond_all_numbers_stops_at_once(energy):
 
     with pytest.raises(RunError, match=r"particle \d+ of body 'bomb' .*(not finite|collapsed)"):
         solver.advance(MICRO, give_up)
+
+
+def crushed(**numerics):
+    """A block one of whose particles is about to turn over; nobody can help it."""
+    made = scene(2, scheme="adaptle", **numerics)
+    x = jittered(2, 9, 0.0)
+    rate = 1e9
+    made.add_body("block", x, "aluminium", velocity=lambda x: -rate * (x - 4.0 * SPACING) * [1.0, 0.0, 0.0])
+    made.fix("block")
+    solver = Solver(made.finalize())
+    poke(solver, 40, "F", np.diag([0.0101, 1.0, 1.0]))
+    return solver
+
+
+def test_a_lagrangian_particle_that_turns_over_stops_the_run():
+    solver = crushed()
+    with pytest.raises(RunError) as stopped:
+        solver.advance(MICRO)
+    message = str(stopped.value)
+    assert "particle 40 of body 'block' (material 'aluminium') at (0.004, 0.004, 0) m: turned over" in message
+    assert "det F below 0.01" in message and "\n" not in message
+    assert np.isfinite(by_id(solver, "F")).all()
+
+
+def test_or_the_run_goes_on_with_eulerian_ones():
+    solver = crushed(inverted="convert")
+    solver.advance(1e-11)
+    kind = by_id(solver, "kernel_type")
+    assert kind[40] == 0 and kind[0] == 1
+    solver.advance(5e-11)
+    assert solver.tally()["inverted"] >= 1
+    assert np.isfinite(by_id(solver, "rho")).all()
 
 
 SCENE = '''

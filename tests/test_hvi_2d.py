@@ -68,13 +68,24 @@ def test_only_what_leaves_the_rear_half_has_left_the_back(data):
 
 
 def test_tension_peaks_when_it_is_a_record():
-    pressures = np.array([0.0, 2e9, -1e9, -3e9, -2e9, -2.5e9, 1e9])
-    lowest = np.minimum.accumulate(pressures)
+    """Of two particles, the lower one counts; a third is not looked at."""
+    pressures = np.array([[0.0, 2e9, -1e9, -2e9, -2e9, -2.5e9, 1e9], [0.0, 1e9, 1e9, -3e9, -1e9, 0.0, 1e9]]).T
+    seen = [np.append(row, -9e9) for row in pressures]
+    lowest = np.minimum.accumulate(seen)
     states = [
-        State(float(k), k, 2, 1.0, 1.4, "", [], [], {"p": np.array([p]), "p_low": np.array([low])})
-        for k, (p, low) in enumerate(zip(pressures, lowest, strict=True))
+        State(float(k), k, 2, 1.0, 1.4, "", [], [], {"p": p, "p_low": low})
+        for k, (p, low) in enumerate(zip(seen, lowest, strict=True))
     ]
-    assert [hvi.record_time(state, 0) for state in states] == [0.0, 0.0, 2.0, 3.0, 0.0, 0.0, 0.0]
+    found = [hvi.record_time(state, np.array([0, 1])) for state in states]
+    assert found == [0.0, 0.0, 2.0, 3.0, 0.0, 0.0, 0.0]
+
+
+def test_tension_is_that_inside_the_disc(data):
+    disc = data.body == 0
+    away = np.linalg.norm(data.x[:, :2] - data.x[disc, :2].mean(axis=0), axis=1)
+    low = np.where(disc & (away < 0.5 * hvi.RADIUS), -20e9, 0.0)
+    low[disc & (away > 0.95 * hvi.RADIUS)] = low[~disc] = -140e9
+    assert data.measures["projectile_tension"].function(picture(data, p_low=low)) == 20e9
 
 
 def test_share_of_the_disc_that_is_lagrangian(data):

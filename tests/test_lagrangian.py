@@ -57,7 +57,7 @@ def stirred(dim, scheme, precision="float64"):
     x, v = X + 0.05 * jittered(dim, COUNT[dim], seed=7), noise(dim, len(X))
     overwrite(solver, x=x, v=v)
     settings, V0 = SCHEMES[scheme], np.full(len(X), SPACING**dim)
-    g = gradients(X, V0, dim, solver.data.h, settings.gradient_ratio if settings.correction else None)
+    g = gradients(X, V0, dim, solver.data.h, settings.correction)
     P = sig @ cofactor(F)
     m, cs = (by_id(solver, name).astype(float) for name in ("m", "cs"))
     J = np.linalg.det(F)
@@ -228,7 +228,7 @@ def test_a_step_is_taken_in_order():
     solver = one_step(body(2, X, noise(2, len(X)), scheme="tl-plain"))
     dt = solver.reading.time
     np.testing.assert_allclose(by_id(solver, "x"), X + dt * by_id(solver, "v"), atol=1e-16)
-    g = gradients(X, np.full(len(X), SPACING**2), 2, solver.data.h)
+    g = gradients(X, np.full(len(X), SPACING**2), 2, solver.data.h, False)
     v = by_id(solver, "v")
     rate = SPACING**2 * np.einsum("abi,abj->aij", v[None] - v[:, None], g)
     np.testing.assert_allclose(by_id(solver, "F"), np.eye(3) + dt * rate, atol=1e-14)

@@ -222,9 +222,9 @@ def render(
 
     Args:
         folder: Folder of a run.
-        field: What gives the colour: any quantity that `warpsph info` lists.
-        view: Where to look from: xy in 2D; iso, x, -x, y, -y, z, -z, xy, xz or yz in 3D.
-        cut: Plane in 3D; the half towards the camera is left out: y, or y=0.01 [m].
+        field: What gives the colour: any quantity that `warpsph info` lists, such as kernel_type.
+        view: Where to look from: xy in 2D; iso (obliquely), x, -x, y, -y, z, -z, xy, xz or yz in 3D.
+        cut: Plane in 3D; the half towards the camera is left out: y, or y=0.01 [m]. Seen straight on if no view is given.
         range: Lowest and highest value of the colours; from the data if not given.
         every: Take every n-th snapshot.
         output: Folder of the pictures; frames in the run's folder if not given.
@@ -324,6 +324,7 @@ def bench(
     peer: list[str] | None = None,
     size: int | None = None,
     full: Flag = False,
+    lagrangian: Flag = False,
     repeats: int = 5,
 ) -> None:
     """Measure the time per particle and step of the two-dimensional impact, and what each kernel takes of it.
@@ -334,12 +335,24 @@ def bench(
             its last line; may be given several times.
         size: Measure an impact in 2D and one in 3D of about so many particles too.
         full: Measure the whole 8 µs too, once.
+        lagrangian: Measure Total Lagrangian and coupled steps on the plate of debris_3d instead; a peer's JSON then
+            names its case, plate or taylor.
         repeats: Repetitions of every measurement.
     """
     with _reporting(device) as progress:
         from .quality.bench import bench as measure
 
-        print(measure(device, peers=peer or (), size=size, full=full, repeats=repeats, progress=progress))
+        print(
+            measure(
+                device,
+                peers=peer or (),
+                size=size,
+                full=full,
+                lagrangian=lagrangian,
+                repeats=repeats,
+                progress=progress,
+            )
+        )
 
 
 @contextlib.contextmanager

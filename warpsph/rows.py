@@ -24,9 +24,26 @@ class Rows:
         neigh: Entries (particle index and mirror bits), shape [capacity], int32; grows, never truncates.
     """
 
-    def __init__(self, n: int, dim: int, real: type, kernels: NeighbourKernels, launcher: Launcher):
-        """Allocate rows for n particles; the first filling makes room for the entries."""
-        self._n, self._kernels, self._launcher = n, kernels, launcher
+    def __init__(
+        self,
+        n: int,
+        dim: int,
+        real: type,
+        kernels: NeighbourKernels,
+        launcher: Launcher,
+        lasting: bool = False,
+    ):
+        """Allocate rows for n particles; the first filling makes room for the entries.
+
+        Args:
+            n: Number of particles.
+            dim: Space dimension.
+            real: Scalar type.
+            kernels: The search.
+            launcher: The device.
+            lasting: The rows are filled once: they get no room to grow.
+        """
+        self._n, self._kernels, self._launcher, self._lasting = n, kernels, launcher, lasting
         with wp.ScopedDevice(launcher.device):
             self.grid = wp.HashGrid(*CELLS[dim], dtype=real)
             self._room = wp.zeros(n + 1, dtype=wp.int32)  # the last stays 0: the scan ends in the total
@@ -59,7 +76,9 @@ class Rows:
         Raises:
             RunError: Offsets no longer fit into 32 bits.
         """
-        self._launcher.launch(self._kernels.reserve, self._n, self, room=self._room)
+        self._launcher.launch(
+            self._kernels.reserve, self._n, self, lasting=int(self._lasting), room=self._room
+        )
         wp.utils.array_scan(self._room, self.start, inclusive=False)
         total = int(self.start[self._n :].numpy()[0])
         if total < 0:
@@ -67,7 +86,7 @@ class Rows:
         if total <= self.neigh.size:
             return False
         with wp.ScopedDevice(self._launcher.device):
-            self.neigh = wp.empty(int(GROWTH * total), dtype=wp.int32)
+            self.neigh = wp.empty(total if self._lasting else int(GROWTH * total), dtype=wp.int32)
         return True
 
     def mean_count(self) -> float:

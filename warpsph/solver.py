@@ -11,6 +11,7 @@ from .blocks import Blocks
 from .clock import Clock, Reading
 from .contact import contact_constants
 from .errors import InputError, RunError
+from .kernels.deformation import SMALLEST_J
 from .kernels.kernel_type import ERODED, EULERIAN, LAGRANGIAN
 from .kernels.ledger import MAXIMA, SUMS, make_ledger
 from .kernels.spec import Spec
@@ -295,7 +296,7 @@ class Solver:
             cause = f"{', '.join(which)} not finite"
         elif now.status == INSIDE_OUT:
             i = int(np.argmax((p["inverted"] > 0) & (p["kernel_type"] == LAGRANGIAN)))
-            cause = "turned over, det F <= 0: too distorted for a Total Lagrangian particle"
+            cause = f"turned over, det F below {SMALLEST_J:g}: too distorted for a Total Lagrangian particle"
         else:
             speed = p["cl"] + VISCOUS_SHARE * p["av_switch"] * (
                 self._scheme.viscosity_alpha * p["cs"] + self._scheme.viscosity_beta * p["mu"]

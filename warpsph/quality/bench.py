@@ -16,6 +16,7 @@ from warpsph.shapes import Box, Sphere
 from warpsph.solver import Solver
 
 from . import report, series
+from .lagrangian_costs import lagrangian_costs
 from .peer import Peer
 from .scheme_costs import scheme_costs
 from .series import HEADER, Series, Variant, advance, first_steps
@@ -34,6 +35,7 @@ def bench(
     peers: Sequence[str] = (),
     size: int | None = None,
     full: bool = False,
+    lagrangian: bool = False,
     repeats: int = 5,
     progress: Progress | None = None,
 ) -> str:
@@ -44,6 +46,7 @@ def bench(
         peers: Commands of other codes, measured in turn with ours; each prints one line of JSON last.
         size: Measure an impact in 2D and one in 3D of about so many particles as well.
         full: Measure the whole 8 µs as well, once with every variant, and the peers again in between.
+        lagrangian: Measure Total Lagrangian and coupled steps instead, in a section of their own.
         repeats: Repetitions of every measurement.
         progress: Where progress goes.
 
@@ -60,6 +63,9 @@ def bench(
         raise InputError(f"--size {size} is not allowed; allowed: 1000 to 100000000 particles")
     say = (progress or Progress()).message
     origin = report.facts(find_device(device))
+    if lagrangian:
+        tables = lagrangian_costs(_variants(device), [Peer(command) for command in peers], repeats, say)
+        return _told("lagrangian", origin, tables)
     data = impact_2d().finalize()
     variants, others = _variants(device), [Peer(command) for command in peers]
     rows = _in_turn("2D impact", data, variants, others, repeats, say)
@@ -86,8 +92,7 @@ def bench(
         tables.append(("Beside other codes", PEER_HEADER, beside))
     tables.append(("What the schemes cost", *schemes))
     tables.append(("What a step is made of", *_shares(data, variants)))
-    _publish(find_device(device).is_cuda, origin, tables)
-    return "\n\n".join((f"{title}\n" if title else "") + table(body, head) for title, head, body in tables)
+    return _told("cuda" if find_device(device).is_cuda else "cpu", origin, tables)
 
 
 def impact_2d(particles: int | None = None) -> Scene:
@@ -219,13 +224,13 @@ def _threads(variant: Variant) -> str:
     return "GPU" if variant.threads is None else f"{variant.threads} thread{'s' * (variant.threads > 1)}"
 
 
-def _publish(cuda: bool, origin: dict[str, str], tables: list) -> None:
-    """Write the report into the documentation of a checkout."""
+def _told(section: str, origin: dict[str, str], tables: list) -> str:
+    """Write the report into a section of the documentation of a checkout, and give it for a terminal."""
     root = report.checkout()
-    if root is None:
-        return
-    facts = "\n".join(f"- {name}: {value}" for name, value in origin.items())
-    parts = [f"### {title}\n\n" * bool(title) + report.markdown(head, body) for title, head, body in tables]
-    report.write_section(
-        root / "docs" / "benchmarks.md", "cuda" if cuda else "cpu", "\n\n".join([facts, *parts])
-    )
+    if root is not None:
+        facts = "\n".join(f"- {name}: {value}" for name, value in origin.items())
+        parts = [
+            f"### {title}\n\n" * bool(title) + report.markdown(head, body) for title, head, body in tables
+        ]
+        report.write_section(root / "docs" / "benchmarks.md", section, "\n\n".join([facts, *parts]))
+    return "\n\n".join((f"{title}\n" if title else "") + table(body, head) for title, head, body in tables)

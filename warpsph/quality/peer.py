@@ -43,11 +43,11 @@ class Peer:
         try:
             self.facts = json.loads(last)
             self.ns.append(float(self.facts["ns_per_particle_step"]))
-            self.facts["threads"] = int(self.facts["threads"])
+            self.facts["threads"] = int(self.facts.get("threads", self.facts.get("ranks")))
         except (ValueError, KeyError, TypeError) as error:
             raise InputError(
                 f"--peer {self.command!r} printed {last[:60]!r} last; allowed: one line of JSON with "
-                "ns_per_particle_step and threads"
+                "ns_per_particle_step and threads (or ranks)"
             ) from error
 
     def cells(self) -> list[str]:

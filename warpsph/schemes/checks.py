@@ -66,7 +66,28 @@ def _check_solid(data: SceneData) -> None:
             )
 
 
+def check_contact(data: SceneData) -> None:
+    """Refuse contact whose stiffness would be none.
+
+    Raises:
+        InputError: Names the material without a bulk modulus.
+    """
+    contact = data.numerics.contact
+    if contact is None or contact.stiffness is None:
+        return
+    for material in data.materials:
+        if material.bulk_speed == 0.0:
+            raise InputError(
+                f"stiffness of Contact = {contact.stiffness:g} is a share of bulk moduli, and material "
+                f"{material.name!r} has none at rest; allowed: modulus [Pa/m^dim] instead"
+            )
+
+
 def _check_erosion(data: SceneData) -> None:
+    if data.numerics.erosion and len(data.bodies) > 1 and data.numerics.contact is None:
+        raise InputError(
+            "erosion = True with several bodies needs contact; allowed: contact = Contact(...), or one body"
+        )
     if data.numerics.erosion and not _has_damage(data):
         raise InputError(
             "erosion = True needs a material that fails, and none of "
