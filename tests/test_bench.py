@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from warpsph.errors import InputError, RunError
-from warpsph.quality import bench, report, series
+from warpsph.quality import bench, lagrangian_costs, report, series
 from warpsph.quality.peer import Peer
 from warpsph.quality.stopwatch import REST, ROWS, kernel_times, short_name
 
@@ -138,3 +138,34 @@ def test_report_needs_its_markers(tmp_path):
     page.write_text("<!-- end cpu --> <!-- begin cpu -->")
     with pytest.raises(InputError, match="has no place for the report"):
         report.write_section(page, "cpu", "text")
+
+
+PLATE = FACTS | {"case": "plate", "neighbours": 50.0, "ranks": 1}
+
+
+@pytest.fixture
+def coarse_plate(monkeypatch):
+    """The plate with few particles, and a window soon after the start."""
+    monkeypatch.setattr(lagrangian_costs, "SPACING", 3e-3)
+    monkeypatch.setattr(lagrangian_costs, "LATER", 2e-6)
+    monkeypatch.setattr(lagrangian_costs, "SCHEMES", ("sav1", "tl", "adaptle"))
+    monkeypatch.setattr(series, "WARM_UP", 2)
+    monkeypatch.setattr(series, "STEPS", 4)
+    monkeypatch.setattr(bench, "PRECISIONS", ("float64",))
+    monkeypatch.setattr(report, "cores", lambda: 1)
+
+
+def test_lagrangian_steps_beside_eulerian_ones(coarse_plate, page):
+    page.write_text("<!-- begin lagrangian -->\n<!-- end lagrangian -->\n")
+    code = f"print({json.dumps(json.dumps({k: v for k, v in PLATE.items() if k != 'threads'}))})"
+    text = bench.bench("cpu", peers=[command(code)], lagrangian=True, repeats=1)
+    rows = [line.split() for line in text.splitlines() if line.startswith(("sav1 ", "tl ", "adaptle "))]
+    assert [row[0] for row in rows] == ["sav1", "tl", "adaptle"] * 2
+    assert rows[0][-3:-1] == ["100.0%", "100.0%"] and rows[1][-3] == "0.0%"
+    assert "Other 1.0" in page.read_text() and "per pair" in text
+
+
+def test_a_peer_of_another_case_is_refused(coarse_plate):
+    peer = command(f"print({json.dumps(json.dumps(FACTS | {'case': 'ring'}))})")
+    with pytest.raises(InputError, match="names case 'ring'; allowed beside Lagrangian steps: plate, taylor"):
+        bench.bench("cpu", peers=[peer], lagrangian=True, repeats=1)

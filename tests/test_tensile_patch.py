@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from warpsph import library, materials
+from warpsph.run import run
 from warpsph.scenes import tensile_patch as patch
 from warpsph.solver import Solver
 from warpsph.state import State
@@ -34,7 +35,7 @@ def test_the_kernels_slope_is_that_of_a_kernel():
 
 def test_the_impulse_is_the_traction_for_one_step():
     """No net momentum; each half is pulled by the tension across the cut through the patch; nothing further off moves."""
-    data = SCENE.build(tension=3.0).finalize()
+    data = SCENE.build(tension=3.0, impulse_steps=1.0).finalize()
     x, momentum = data.x, data.m[:, None] * data.v
     np.testing.assert_allclose(momentum.sum(axis=0), 0.0, atol=1e-15)
     for axis in (0, 1):
@@ -44,6 +45,11 @@ def test_the_impulse_is_the_traction_for_one_step():
     np.testing.assert_allclose(data.v[off > 2.0 * data.h], 0.0, atol=1e-14)
     mirrored = np.lexsort((x[:, 1], np.round(-x[:, 0], 9)))
     np.testing.assert_allclose(data.v[mirrored] * [-1, 1, 1], data.v, atol=1e-15)
+
+
+def test_half_a_step_gives_half_the_impulse():
+    half, whole = (SCENE.build(impulse_steps=steps).finalize().v for steps in (0.5, 1.0))
+    np.testing.assert_allclose(2.0 * half, whole, rtol=1e-14)
 
 
 def test_impulse_is_the_same_for_all_formulations_and_resolutions():
@@ -166,7 +172,8 @@ tension [Pa]: from an independent Total Lagrangian program in numpy at a quarter
 
 @pytest.mark.parametrize(("reading", "plane", "tension"), INDEPENDENT)
 def test_total_lagrangian_pressures_are_those_of_an_independent_program(reading, plane, tension):
-    solver = Solver(SCENE.build(reading=reading, plane=plane, tension=tension, particles=SIDE).finalize())
+    values = {"reading": reading, "plane": plane, "tension": tension, "impulse_steps": 1.0}
+    solver = Solver(SCENE.build(**values, particles=SIDE).finalize())
     for steps, known in zip((180, 500), INDEPENDENT[reading, plane, tension], strict=True):
         solver.advance(steps * patch.STEP)
         state = solver.state()
@@ -175,6 +182,21 @@ def test_total_lagrangian_pressures_are_those_of_an_independent_program(reading,
         span = known[1] - known[0]
         assert found[:2] == pytest.approx(known[:2], abs=0.07 * span)
         assert found[2] == pytest.approx(known[2], abs=0.01)
+
+
+def test_a_run_reports_its_measures(tmp_path):
+    """Pressures stand in the history as well, under the same names."""
+    summary = run(SCENE.build(particles=SIDE, steps=20), tmp_path, frames=False)
+    last = (tmp_path / "history.csv").read_text().splitlines()[-1]
+    found = {name: summary["measures"][name] for name in ("pressure_min", "pressure_max", "clumping")}
+    assert found["pressure_min"] < 0.0 < found["pressure_max"]
+    assert all(value == pytest.approx(float(last.split(",")[k])) for k, value in _columns(tmp_path, found))
+
+
+def _columns(folder, found):
+    """Place in a row of the history, and value, of each figure; heads are "name [unit]"."""
+    heads = [head.split(" ")[0] for head in (folder / "history.csv").read_text().splitlines()[0].split(",")]
+    return [(heads.index(name), value) for name, value in found.items()]
 
 
 def test_eulerian_kernels_clump_and_total_lagrangian_ones_do_not():

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from ..kernel_panels import draw_pressures
+from warpsph.quality.kernel_panels import draw_pressures
+
 from .tables import COST, ENERGY, MOMENTUM, Case, Figure, Picture, Row, Table
 
 FIRST, LAST = 180, 500
@@ -91,7 +92,9 @@ def _couplings() -> tuple[Row, ...]:
     for coupling in ("conservative", "printed"):
         for stress in ("both", "none", "eulerian"):
             values = {"formulation": "coupled", "coupling": coupling, "interface_stress": stress}
-            known = _range(-0.09, 0.12) if stress == "both" else {"drift_y": 1.2} if stress == "eulerian" else {}
+            known = (
+                _range(-0.09, 0.12) if stress == "both" else {"drift_y": 1.2} if stress == "eulerian" else {}
+            )
             exact = coupling == "conservative" and stress != "eulerian"
             rows.append(
                 Row(f"{coupling}, stress: {stress}", values, known, unexpected=() if exact else CONSERVED)
