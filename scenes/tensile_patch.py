@@ -40,7 +40,7 @@ def build(
     reading: Literal["impulse", "persistent"] = "impulse",
     tension: float | None = None,
     impulse_steps: float = 0.5,
-    plane: Literal["stress", "strain"] = "stress",
+    plane: Literal["strain", "stress"] = "strain",
     coupling: CouplingName = "conservative",
     interface_stress: InterfaceStressName = "both",
     steps: int = 500,
@@ -59,8 +59,8 @@ def build(
         reading: The tension acts as an impulse, or persists.
         tension: Tension in the patch [Pa]; default 10 for the impulse, 0.25 if it persists.
         impulse_steps: How long it acts as an impulse, in steps of the paper: 0.5 or 1.
-        plane: Plane stress or plane strain. The paper does not say; in linear theory plane stress comes nearer to its
-            pressures. There a tension that persists thins the sheet at once, until none is left across it.
+        plane: Plane strain or plane stress. The paper does not say; its time step is that of plane strain, and so are
+            its pressures. In plane stress a tension that persists thins the sheet at once, until none is left across it.
         coupling: Coupling of the halves.
         interface_stress: Where the artificial stress of an Eulerian and a Total Lagrangian particle acts: on both, on
             none, or on the Eulerian one alone, which does not conserve momentum.
