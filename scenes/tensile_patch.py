@@ -59,8 +59,9 @@ def build(
         reading: The tension acts as an impulse, or persists.
         tension: Tension in the patch [Pa]; default 10 for the impulse, 0.25 if it persists.
         impulse_steps: How long it acts as an impulse, in steps of the paper: 0.5 or 1.
-        plane: Plane strain or plane stress. The paper does not say; its time step is that of plane strain, and so are
-            its pressures. In plane stress a tension that persists thins the sheet at once, until none is left across it.
+        plane: Plane strain or plane stress. The paper does not say; its time step is that of waves in plane strain, and
+            its pressures come nearer to it. In plane stress a tension that persists thins the sheet at once, until none
+            is left across it.
         coupling: Coupling of the halves.
         interface_stress: Where the artificial stress of an Eulerian and a Total Lagrangian particle acts: on both, on
             none, or on the Eulerian one alone, which does not conserve momentum.
