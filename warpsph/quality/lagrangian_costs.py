@@ -45,7 +45,7 @@ def lagrangian_costs(
     Args:
         variants: Ways to compute it; those in double precision are taken.
         peers: Other codes; ``case`` of their facts is ``plate`` or ``taylor``.
-        repeats: Repetitions; there is one of the later window.
+        repeats: Repetitions; of the later window there is one, of the last variant.
         say: Where progress goes.
 
     Raises:
@@ -59,9 +59,9 @@ def lagrangian_costs(
             say(f"plate, {variant.threads or 1} threads: repetition {k + 1} of {repeats}")
             for row, data in first:
                 first_steps(row, data)
-        later = [_later(scheme, variant, say) for scheme in SCHEMES]
+        later = [_later(scheme, variant, say) for scheme in SCHEMES] if variant is double[-1] else []
         for found in ([(row, 0.0, _listed(data, variant)) for row, data in first], later):
-            base = median(found[0][0].ns)
+            base = median(found[0][0].ns) if found else 0.0
             rows += [_cells(row, eulerian, listed, base) for row, eulerian, listed in found]
     beside = _beside(double, peers, repeats, say)
     return [("Total Lagrangian and coupled steps", HEADER, rows), *beside]
