@@ -83,6 +83,9 @@ def test_nothing_is_measured_before_anything_happens():
     zero = np.zeros(len(data.x))
     found = measured(data, state(data, data.x, data.v, zero, zero + 1))
     assert found.pop("debris_velocity") == 500.0
+    faster = 500.0 / 299.0 - 1.0
+    assert found.pop("velocity_error") == pytest.approx((faster + 1.0) / 2.0)
+    assert found.pop("mean_error") == pytest.approx((faster + 4.0) / 5.0)
     assert set(found.values()) == {0.0}
 
 

@@ -24,7 +24,15 @@ def test_every_row_can_be_built():
 
 
 def test_figures_exist():
-    summary = {"energy_error", "momentum_error", "steps", "wall_s", "converted_share", "interpenetration"}
+    summary = {
+        "energy_error",
+        "momentum_error",
+        "steps",
+        "wall_s",
+        "converted_share",
+        "interpenetration",
+        "inverted",
+    }
     for case in CASES.values():
         measures = set(library.load(case.scene).build().finalize().measures)
         for part in case.tables:

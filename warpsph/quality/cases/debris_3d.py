@@ -108,9 +108,7 @@ def _variants() -> tuple[Row, ...]:
         "strength kept": {"carries": "all"},
         "plain gradients": {"correction": False},
         "α 1": {"viscosity": 1.0},
-        "χ 1": {"chi": 1.0},
         "C 0.0101": {"rate_constant": 0.0101},
-        "stiffer contact": {"contact_stiffness": 0.5},
     }
     return tuple(Row(name, QUARTER | values, unexpected=FREE) for name, values in variants.items())
 

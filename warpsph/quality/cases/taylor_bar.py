@@ -2,7 +2,7 @@
 
 from .tables import COST, ENERGY, MOMENTUM, Case, Figure, Row, Table
 
-SPACING = {across: 25.4e-3 / layers for across, layers in ((12, 40), (18, 60), (24, 80))}
+SPACING = {12: 25.4e-3 / 40, 18: 25.4e-3 / 60}
 """Particle spacing [m] by the number of particles across the diameter."""
 
 LENGTH = {"unit": "mm", "factor": 1e3}
@@ -72,6 +72,5 @@ def _adaptive() -> tuple[Row, ...]:
 def _resolutions() -> tuple[Row, ...]:
     return (
         _row("tl, 18 across", 18),
-        _row("tl, 24 across", 24),
-        _row("ts2-mixed, 18 across", 18, scheme="ts2-mixed"),
+        _row("ts2, 18 across", 18, scheme="ts2"),
     )
