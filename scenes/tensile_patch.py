@@ -50,8 +50,8 @@ def build(
 
     The printed 10 Pa cannot stay in a law with E = 1 Pa: they act in the first evaluation of the forces only. A
     leapfrog scheme uses that one for its first half kick alone, an impulse of half a step; another may for a whole one.
-    With half a step all pressures are of the printed size. So are they with a tension of 0.2 to 0.3 Pa that stays, in
-    plane strain, if the pressures are those of the strain alone.
+    Half a step fits the printed pressures better. A tension of 0.2 to 0.3 Pa that stays, in plane strain, fits them too
+    if they are those of the strain alone.
 
     Args:
         formulation: Total Lagrangian; Eulerian, plain or with artificial stress; or coupled: the upper half
@@ -60,7 +60,7 @@ def build(
         tension: Tension in the patch [Pa]; default 10 for the impulse, 0.25 if it persists.
         impulse_steps: How long it acts as an impulse, in steps of the paper: 0.5 or 1.
         plane: Plane strain or plane stress. The paper does not say; its time step is that of waves in plane strain, and
-            its pressures come nearer to it. In plane stress a tension that persists thins the sheet at once, until none
+            its Eulerian pressures fit that. In plane stress a tension that persists thins the sheet at once, until none
             is left across it.
         coupling: Coupling of the halves.
         interface_stress: Where the artificial stress of an Eulerian and a Total Lagrangian particle acts: on both, on

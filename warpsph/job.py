@@ -32,6 +32,12 @@ LEDGER_COLUMNS = (
 )  # fmt: skip
 """Columns of history.csv that come from the ledger as they are, with units."""
 
+OWN_COLUMNS = (
+    ("time", "s"), ("step", "1"), ("dt", "s"), ("total_energy", "J"), ("energy_error", "1"),
+    *LEDGER_COLUMNS, ("pressure_min", "Pa"), ("density_min", "kg/m^3"),
+)  # fmt: skip
+"""Columns of history.csv that every run has; a measure of the same name takes the column's place."""
+
 
 class Job:
     """A solver at work for an output folder.
@@ -143,7 +149,8 @@ class Job:
         values = [now.time, now.steps, now.dt, energy(ledger), self.balance.energy_error]
         values += [ledger[name] for name, _ in LEDGER_COLUMNS]
         values += [-ledger["tension_max"], -ledger["rarefaction_max"]]
-        self.history.write(values + list(self._measures().values()))
+        own = dict(zip((name for name, _ in OWN_COLUMNS), values, strict=True))
+        self.history.write(list((own | self._measures()).values()))
         while self.next_row <= now.time:
             self.next_row += self.until / HISTORY_ROWS
 
@@ -232,9 +239,8 @@ class Job:
 
 
 def _columns(data: SceneData) -> list[tuple[str, str]]:
-    first = [("time", "s"), ("step", "1"), ("dt", "s"), ("total_energy", "J"), ("energy_error", "1")]
-    last = [("pressure_min", "Pa"), ("density_min", "kg/m^3")]
-    return first + list(LEDGER_COLUMNS) + last + [(name, m.unit) for name, m in data.measures.items()]
+    """Columns of the history with units."""
+    return list((dict(OWN_COLUMNS) | {name: m.unit for name, m in data.measures.items()}).items())
 
 
 def _in_main_thread() -> bool:

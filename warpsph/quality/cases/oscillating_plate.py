@@ -23,8 +23,6 @@ def oscillating_plate() -> Case:
     lagrangian = (
         Row("tl", long),
         Row("tl-plain", long | {"scheme": "tl-plain"}, unexpected=("frequency_ratio",)),
-        Row("tl, with viscosity", long | {"viscosity": 1.0}),
-        Row("tl, a fifth of the speed", long | {"speed": 0.2 * SPEED}),
         Row("tl, 20 across, 2 periods", {"particles": 20, "periods": 2.0}),
         Row("tl, 5 across", long | {"particles": 5}, unexpected=("frequency_ratio",)),
     )
