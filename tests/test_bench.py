@@ -165,6 +165,12 @@ def test_lagrangian_steps_beside_eulerian_ones(coarse_plate, page):
     assert "Other 1.0" in page.read_text() and "per pair" in text
 
 
+@pytest.mark.parametrize("other", [{"full": True}, {"size": 2000}])
+def test_options_of_the_impact_do_not_go_with_the_plate(other):
+    with pytest.raises(InputError, match="--full and --size do not go with --lagrangian"):
+        bench.bench("cpu", lagrangian=True, **other)
+
+
 def test_a_peer_of_another_case_is_refused(coarse_plate):
     peer = command(f"print({json.dumps(json.dumps(FACTS | {'case': 'ring'}))})")
     with pytest.raises(InputError, match="names case 'ring'; allowed beside Lagrangian steps: plate, taylor"):

@@ -61,6 +61,10 @@ def bench(
         raise InputError(f"--repeats {repeats} is not allowed; allowed: 1 or more")
     if size is not None and not 1000 <= size <= 100_000_000:
         raise InputError(f"--size {size} is not allowed; allowed: 1000 to 100000000 particles")
+    if lagrangian and (full or size is not None):
+        raise InputError(
+            "--full and --size do not go with --lagrangian, which has a plate of its own; allowed: neither"
+        )
     say = (progress or Progress()).message
     origin = report.facts(find_device(device))
     if lagrangian:

@@ -1,6 +1,5 @@
 """What Total Lagrangian and coupled steps cost beside Eulerian ones of the same scene, and beside other codes."""
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from statistics import median
@@ -13,7 +12,7 @@ from warpsph.solver import Solver
 
 from .peer import Peer
 from .series import HEADER as SERIES_HEADER
-from .series import STEPS, Series, Variant, advance, first_steps
+from .series import Series, Variant, first_steps, next_steps
 
 SCHEMES = ("sav1", "sav1-mixed", "tl-plain", "tl", "adaptle-plain", "adaptle")
 """Schemes of the plate, each without and with correction; the first is what the others are compared with."""
@@ -87,11 +86,7 @@ def _later(scheme: str, variant: Variant, say: Callable[[str], None]) -> tuple[S
     solver = variant.solver(data)
     solver.advance(LATER)
     row = Series(scheme, f"at {LATER * 1e6:g} µs", variant, len(data.x))
-    steps, builds, start = solver.reading.steps, solver.neighbours.builds, time.perf_counter()
-    advance(solver, STEPS)
-    wall = time.perf_counter() - start
-    row.steps, row.builds = solver.reading.steps - steps, solver.neighbours.builds - builds
-    row.ns.append(1e9 * wall / (row.steps * len(data.x)))
+    next_steps(row, solver)
     return row, float((solver.particles.kernel_type.numpy() == EULERIAN).mean()), _rows(solver)
 
 

@@ -76,12 +76,17 @@ def first_steps(row: Series, data: SceneData) -> None:
     """Add one measurement of `STEPS` steps after `WARM_UP` steps."""
     solver = row.variant.solver(data)
     advance(solver, WARM_UP)
+    next_steps(row, solver)
+    row.neighbours = row.neighbours or solver.mean_neighbours()
+
+
+def next_steps(row: Series, solver: Solver) -> None:
+    """Add one measurement of the next `STEPS` steps of a solver."""
     steps, builds, start = solver.reading.steps, solver.neighbours.builds, time.perf_counter()
     advance(solver, STEPS)
     wall = time.perf_counter() - start
     row.steps, row.builds = solver.reading.steps - steps, solver.neighbours.builds - builds
-    row.ns.append(1e9 * wall / (row.steps * len(data.x)))
-    row.neighbours = row.neighbours or solver.mean_neighbours()
+    row.ns.append(1e9 * wall / (row.steps * row.particles))
 
 
 def advance(solver: Solver, count: int) -> None:

@@ -28,10 +28,9 @@ class Adaptive(Lagrangian):
         super().__init__(settings, spec, numerics, planes, correction=s.correction)
         coupling = Coupling(numerics.coupling, numerics.interface_stress, numerics.contact is not None)
         mutual = numerics.coupling == "conservative"
-        sheet = numerics.plane == "stress" and spec.dim == 2
         terms = PairTerms(s.correction, False, s.artificial_stress, planes, coupling)
         lagrangian_terms = LagrangianTerms(
-            settings.correction, numerics.hourglass > 0.0, False, True, mutual, sheet, planes
+            settings.correction, numerics.hourglass > 0.0, False, True, mutual, self._sheet, planes
         )
         self._momentum = make_momentum(spec, self.smoothing, terms)
         self._momentum_lagrangian = make_momentum_lagrangian(spec, self.smoothing, lagrangian_terms)

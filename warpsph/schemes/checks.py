@@ -46,11 +46,7 @@ def check_lagrangian(data: SceneData, settings: LagrangianSettings) -> None:
                 raise _misfit(option, numerics.scheme, "a coupled scheme, adaptle...")
     elif numerics.erosion:
         raise _misfit("erosion", numerics.scheme, "tl... (adaptle converts failed particles instead)")
-    if (
-        any(material.strength.id == StrengthId.FLUID for material in data.materials)
-        and not data.eulerian.all()
-    ):
-        _check_solid(data)
+    _check_solid(data)
     _check_erosion(data)
     if numerics.conversion is not None:
         _check_conversion(data)

@@ -20,6 +20,7 @@ class Lagrangian(Scheme):
 
     Attributes:
         reference: Reference neighbours; the solver gives them before the first launch.
+        reference_correction: Mixed correction in the reference configuration.
         hourglass: Coefficient of the zero-energy control.
         turns: 1: a particle that turns over converts; 0: it stops the run.
         layers: Layers of reference neighbours that convert with a failed one.
@@ -76,9 +77,8 @@ class TotalLagrangian(Lagrangian):
         """Pick the kernels; ``alone``: there is one body, so that no step needs to search."""
         super().__init__(settings, spec, numerics, planes, correction=False)
         self.searching = not alone
-        sheet = numerics.plane == "stress" and spec.dim == 2
         terms = LagrangianTerms(
-            settings.correction, numerics.hourglass > 0.0, numerics.erosion, False, False, sheet, planes
+            settings.correction, numerics.hourglass > 0.0, numerics.erosion, False, False, self._sheet, planes
         )
         self._momentum = make_momentum_lagrangian(spec, self.smoothing, terms)
         self._erodes = numerics.erosion

@@ -33,14 +33,12 @@ class Scheme(ABC):
         groups: Groups of the field table that the scheme needs.
         searching: Neighbour rows of present positions are needed.
         wearing_role: From which role on a tile of the body's own wears the rows out, see `kernels.tiles`.
-        reference_correction: Mixed correction in the reference configuration.
     """
 
     first_switch = 1.0
     viscosity_alpha: float
     viscosity_beta: float
     searching = True
-    reference_correction = False
 
     def __init__(
         self,
@@ -81,8 +79,8 @@ class Scheme(ABC):
             make_correction(spec, self.smoothing, planes, contact, lagrangian) if correction else None
         )
         self._contact = make_contact(spec, self.smoothing, planes).contact if contact else None
-        plane_stress = numerics.plane == "stress" and spec.dim == 2
-        self._constitutive = make_constitutive(spec, plane_stress, split, lagrangian)
+        self._sheet = numerics.plane == "stress" and spec.dim == 2
+        self._constitutive = make_constitutive(spec, self._sheet, split, lagrangian)
 
     def arrays(self, n: int) -> dict[str, wp.array]:
         """Arrays that live from one launch to the next but are no state; 1 long where the scheme has no use for them.
