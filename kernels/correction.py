@@ -17,8 +17,9 @@ from .tensor import make_tensor
 CONDITION = 1.0e-2
 """Smallest det(M)/|M|^d of the moment matrix that is inverted; a worse one falls back to the plain gradient.
 
-On a lattice it is 1 inside a body, 0.46 at a face and 0.21 at an edge. Spalled particles with a few neighbours in a row that
-pass at 1e-3 have gradients which take a hundred times their energy from them (hvi_2d, ``sav1-mixed-as``), until a tension without bound.
+On a lattice it is 1 inside a body, 0.46 at a face and 0.21 at an edge. Spalled particles with a few neighbours in a row
+that pass at 1e-3 have gradients which take a hundred times their energy from them, until a tension without bound
+(hvi_2d, ``sav1-mixed-as``).
 """
 
 
