@@ -8,7 +8,8 @@ import functools
 
 import warp as wp
 
-from .kernel_type import ERODED
+from .coupling import make_counts
+from .lanes import make_lanes
 from .mirror import make_mirror
 from .smoothing import Smoothing
 from .spec import Spec
@@ -39,16 +40,9 @@ def make_correction(
     real, vec, mat, dim = s.real, s.vec, s.mat, s.dim
     mirror, tensor = make_mirror(s, planes), make_tensor(s)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    bound = real(CONDITION)
+    at, worth, _, _, row_end, _ = make_lanes(s)
+    bound, counts, zero = real(CONDITION), make_counts(separate, coupled), real(0.0)
     options = (smoothing.name, "planes" * planes, "separate" * separate, "coupled" * coupled)
-
-    @wp.func
-    def counts(body_i: wp.int32, body_j: wp.int32, type_j: wp.int32):
-        if wp.static(separate) and body_i != body_j:
-            return False
-        if wp.static(coupled) and type_j == ERODED:
-            return False
-        return True
 
     @wp.func
     def inverse_or_identity(M: mat, neighbours: wp.int32):
@@ -65,11 +59,11 @@ def make_correction(
             one = wp.inverse(M)
         return one, ok
 
-    @wp.kernel(module=s.module(__name__, "_".join(filter(None, options))))
+    @wp.kernel(module=s.module(__name__, "_".join(filter(None, options)), lanes=True))
     def correction(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
+        x: wp.array2d[real],
         vol: wp.array[real],
         body: wp.array[wp.int32],
         kernel_type: wp.array[wp.int32],
@@ -88,29 +82,54 @@ def make_correction(
         if dt[0] == real(0.0):
             return
         first = start[i]
-        xi = x[i]
+        last = row_end(first, n_neigh[i])
+        xi = at(x, i)
         r_max2 = support * support * h * h
         shepard = vol[i] * w(real(0.0), h)
-        sum_G = vec()
+        # scalars, not vectors or matrices: the compiler keeps them in registers
+        G_x, G_y, G_z = real(0.0), real(0.0), real(0.0)
         neighbours = wp.int32(0)
-        for k in range(first, first + n_neigh[i]):
+        k = wp.int32(first)
+        while k < last:
             j = mirror.index(neigh[k])
-            xij = xi - mirror.point(x[j], mirror.sign(neigh[k]), plane)
+            xij = xi - mirror.point(at(x, j), mirror.sign(neigh[k]), plane)
             r2 = tensor.dot(xij, xij)
-            if r2 < r_max2 and counts(body[i], body[j], kernel_type[j]):
-                r = wp.sqrt(r2)
-                shepard += vol[j] * w(r, h)
-                sum_G += (vol[j] * dw_r(r, h)) * xij
-                neighbours += 1
-        log_G = sum_G / shepard
-        M = mat()
-        for k in range(first, first + n_neigh[i]):
+            near = r2 < r_max2 and neigh[k] != i and counts(body[i], body[j], kernel_type[j])
+            if worth(near):
+                r, V_j = wp.sqrt(r2), wp.where(near, real(vol[j]), zero)
+                shepard += V_j * w(r, h)
+                slope = V_j * dw_r(r, h)
+                G_x += slope * xij[0]
+                G_y += slope * xij[1]
+                G_z += slope * xij[2]
+                neighbours += wp.where(near, 1, 0)
+            k += 1
+        log_G = vec(G_x, G_y, G_z) / shepard
+        xx, xy, xz = real(0.0), real(0.0), real(0.0)
+        yx, yy, yz = real(0.0), real(0.0), real(0.0)
+        zx, zy, zz = real(0.0), real(0.0), real(0.0)
+        k = wp.int32(first)
+        while k < last:
             j = mirror.index(neigh[k])
-            xij = xi - mirror.point(x[j], mirror.sign(neigh[k]), plane)
+            xij = xi - mirror.point(at(x, j), mirror.sign(neigh[k]), plane)
             r2 = tensor.dot(xij, xij)
-            if r2 < r_max2 and counts(body[i], body[j], kernel_type[j]):
-                r = wp.sqrt(r2)
-                M -= (vol[j] / shepard) * wp.outer(dw_r(r, h) * xij - w(r, h) * log_G, xij)
+            near = r2 < r_max2 and neigh[k] != i and counts(body[i], body[j], kernel_type[j])
+            if worth(near):
+                r, V_j = wp.sqrt(r2), wp.where(near, real(vol[j]), zero)
+                u = V_j * (dw_r(r, h) * xij - w(r, h) * log_G)
+                xx -= u[0] * xij[0]
+                if wp.static(dim > 1):
+                    xy -= u[0] * xij[1]
+                    yx -= u[1] * xij[0]
+                    yy -= u[1] * xij[1]
+                if wp.static(dim > 2):
+                    xz -= u[0] * xij[2]
+                    yz -= u[1] * xij[2]
+                    zx -= u[2] * xij[0]
+                    zy -= u[2] * xij[1]
+                    zz -= u[2] * xij[2]
+            k += 1
+        M = (real(1.0) / shepard) * mat(xx, xy, xz, yx, yy, yz, zx, zy, zz)
         inverse, ok = inverse_or_identity(M, neighbours)
         if ok:
             K[i] = inverse / shepard
@@ -146,8 +165,11 @@ def make_gradient(s: Spec, corrected: bool) -> wp.Function:
         plain = dw * xij
         g = tensor.product(K, plain - w_ij * G)
         along, square, size = tensor.dot(g, plain), tensor.dot(plain, plain), tensor.dot(g, g)
-        if along * limit < square or size > limit * limit * square:
-            g = plain
-        return g
+        limited = along * limit < square or size > limit * limit * square
+        return vec(  # by component: a choice of vectors would be a branch
+            wp.where(limited, plain[0], g[0]),
+            wp.where(limited, plain[1], g[1]),
+            wp.where(limited, plain[2], g[2]),
+        )
 
     return of_pair

@@ -9,10 +9,10 @@ from .kernel_type import ERODED, EULERIAN
 from .spec import Spec
 from .tensor import make_tensor
 
-FORCE, ARTIFICIAL_STRESS, KINEMATICS = 1, 2, 4
-"""Bits of a pair: stress and viscosity in the Eulerian form; artificial stress; it counts in the velocity gradient."""
+FORCE, ARTIFICIAL_STRESS = 1, 2
+"""Bits of a pair: stress and viscosity in the Eulerian form; artificial stress."""
 
-ALL = FORCE | ARTIFICIAL_STRESS | KINEMATICS
+ALL = FORCE | ARTIFICIAL_STRESS
 """Every term, as between any two particles of a purely Eulerian scene without contact."""
 
 
@@ -45,6 +45,26 @@ PURE = Coupling()
 
 
 @functools.cache
+def make_counts(separate: bool, coupled: bool) -> wp.Function:
+    """Build counts(body_i, body_j, type_j): whether a neighbour counts in sums over i's surroundings.
+
+    Args:
+        separate: Those of another body do not.
+        coupled: There are Lagrangian particles: eroded ones do not.
+    """
+
+    @wp.func
+    def counts(body_i: wp.int32, body_j: wp.int32, type_j: wp.int32):
+        if wp.static(separate) and body_i != body_j:
+            return False
+        if wp.static(coupled) and type_j == ERODED:
+            return False
+        return True
+
+    return counts
+
+
+@functools.cache
 def make_coupling(s: Spec, coupling: Coupling) -> wp.Function:
     """Build terms(type_i, type_j, same_body, Xij, reach) -> bits of the pair as particle i sees it."""
     real, vec = s.real, s.vec
@@ -62,7 +82,7 @@ def make_coupling(s: Spec, coupling: Coupling) -> wp.Function:
         return terms
 
     stress_on = {"both": (True, True), "none": (False, False), "eulerian": (True, False)}[coupling.stress]
-    eulerian = KINEMATICS | (ARTIFICIAL_STRESS if stress_on[0] else 0)
+    eulerian = ARTIFICIAL_STRESS if stress_on[0] else 0
     lagrangian = ARTIFICIAL_STRESS if stress_on[1] else 0
     conservative = form == "conservative"
 

@@ -5,6 +5,7 @@ import functools
 import warp as wp
 
 from .correction import make_gradient
+from .lanes import make_lanes
 from .mirror import make_mirror
 from .smoothing import Smoothing
 from .spec import Spec
@@ -19,22 +20,23 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     dot, product = tensor.dot, tensor.product
     zero, half = real(0.0), real(0.5)
+    at, worth, _, _, row_end, _ = make_lanes(s)
     dim, on = s.dim, wp.constant(int(corrected))
     options = (smoothing.name, f"order{order}", "corrected" * corrected, "planes" * planes)
 
-    @wp.kernel(module=s.module(__name__, "_".join(filter(None, options))))
+    @wp.kernel(module=s.module(__name__, "_".join(filter(None, options)), lanes=True))
     def deviatoric(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
-        v: wp.array[vec],
+        x: wp.array2d[real],
+        v: wp.array2d[real],
         m: wp.array[real],
         rho: wp.array[real],
         vol: wp.array[real],
         p: wp.array[real],
         tau: wp.array[matrix],
         K: wp.array[matrix],
-        G: wp.array[vec],
+        G: wp.array2d[real],
         h: real,
         gradient_ratio: real,
         plane: vec,
@@ -48,52 +50,47 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
         grad_p: wp.array[vec],
         grad_rho: wp.array[vec],
         v_start: wp.array[vec],
-        near: wp.array[wp.int32],
-        slope: wp.array[real],
-        n_near: wp.array[wp.int32],
     ):
         """dvdt = Σ f_ab/m_a [m/s²], dedt = Σ f_ab·(v_b - v_a)/(2 m_a) [W/kg], f_ab = V_a V_b (τ_a g_ab - τ_b g_ba).
 
         Section 10, stage 1 (Connolly et al. 2013, Eqs. 21 and 32). grad Q = Σ V_b (Q_b - Q_a) g_ab of p [Pa/m] and
-        ρ [kg/m⁴]; v_start = v. The pairs within the support, and their (dW/dr)/r, are left behind for the other loops.
+        ρ [kg/m⁴]; v_start = v.
         """
         i = wp.tid() + offset
         if dt[0] == zero:
             return
         first = start[i]
+        last = row_end(first, n_neigh[i])
         own = i * on  # K and G are one long where there is no correction
-        xi, vi, tau_i = x[i], v[i], tau[i]
+        xi, vi, tau_i = at(x, i), at(v, i), tau[i]
         p_i, rho_i = p[i], rho[i]
         r_max2 = support * support * h * h
         # scalars, not vectors: the compiler keeps them in registers
         f_x, f_y, f_z, power = real(0.0), real(0.0), real(0.0), real(0.0)
         p_x, p_y, p_z = real(0.0), real(0.0), real(0.0)
         rho_x, rho_y, rho_z = real(0.0), real(0.0), real(0.0)
-        found = wp.int32(0)
-        for k in range(first, first + n_neigh[i]):
+        k = wp.int32(first)
+        while k < last:
             j = mirror.index(neigh[k])
             sign = mirror.sign(neigh[k])
-            xij = xi - mirror.point(x[j], sign, plane)
+            xij = xi - mirror.point(at(x, j), sign, plane)
             r2 = dot(xij, xij)
-            if r2 < r_max2:
+            near = r2 < r_max2 and neigh[k] != i
+            if worth(near):
                 r = wp.sqrt(r2)
-                dw = dw_r(r, h)
-                near[first + found] = neigh[k]
-                slope[first + found] = dw
-                found += 1
-                w_ij = real(0.0)
+                dw, w_ij = wp.where(near, dw_r(r, h), zero), zero
                 if wp.static(corrected):
-                    w_ij = w(r, h)
-                g_ij = of_pair(xij, dw, w_ij, K[own], G[own], h, gradient_ratio)
+                    w_ij = wp.where(near, w(r, h), zero)
+                g_ij = of_pair(xij, dw, w_ij, K[own], at(G, own), h, gradient_ratio)
                 tau_j = mirror.tensor(tau[j], sign)
                 f = product(tau_i + tau_j, g_ij)
                 if wp.static(corrected):
                     other = j * on
-                    K_j, G_j = mirror.tensor(K[other], sign), mirror.vector(G[other], sign)
+                    K_j, G_j = mirror.tensor(K[other], sign), mirror.vector(at(G, other), sign)
                     g_ji = of_pair(-xij, dw, w_ij, K_j, G_j, h, gradient_ratio)
                     f = product(tau_i, g_ij) - product(tau_j, g_ji)
                 f *= vol[j]
-                power += half * dot(f, mirror.vector(v[j], sign) - vi)
+                power += half * dot(f, mirror.vector(at(v, j), sign) - vi)
                 f_x += f[0]
                 if wp.static(dim > 1):
                     f_y += f[1]
@@ -109,11 +106,11 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
                     if wp.static(dim > 2):
                         p_z += dp * g_ij[2]
                         rho_z += drho * g_ij[2]
+            k += 1
         per_mass = vol[i] / m[i]
         dvdt[i] = per_mass * vec(f_x, f_y, f_z)
         dedt[i] = per_mass * power
         v_start[i] = vi
-        n_near[i] = found
         if wp.static(order == 2):
             grad_p[i] = vec(p_x, p_y, p_z)
             grad_rho[i] = vec(rho_x, rho_y, rho_z)

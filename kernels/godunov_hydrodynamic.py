@@ -7,6 +7,7 @@ import warp as wp
 
 from .correction import make_gradient
 from .interface import make_interface
+from .lanes import make_lanes
 from .limiters import make_limiter
 from .material import make_material
 from .mirror import make_mirror
@@ -50,7 +51,8 @@ def make_hydrodynamic(
     side, interface = make_interface(s, states.riemann)
     Material = make_material(s)
     limited = make_limiter(s, states.limiter, states.jump)
-    w = smoothing.w
+    w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
+    at, taken, raised, value, row_end, Bits = make_lanes(s)
     dot, quadratic = tensor.dot, tensor.quadratic
     zero, half, one, two = real(0.0), real(0.5), real(1.0), real(2.0)
     dim, on, second, fragile = s.dim, wp.constant(int(corrected)), states.order == 2, states.fragile
@@ -62,13 +64,13 @@ def make_hydrodynamic(
         low = wp.where(wp.abs(u_over) < wp.abs(dilation), u_over, dilation)
         return wp.where(u_over * dilation > zero, low, zero)
 
-    @wp.kernel(module=s.module(__name__, "_".join(filter(None, options))))
+    @wp.kernel(module=s.module(__name__, "_".join(filter(None, options)), lanes=True))
     def hydrodynamic(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
-        v: wp.array[vec],
-        v_start: wp.array[vec],
+        x: wp.array2d[real],
+        v: wp.array2d[real],
+        v_start: wp.array2d[real],
         m: wp.array[real],
         rho: wp.array[real],
         vol: wp.array[real],
@@ -76,22 +78,21 @@ def make_hydrodynamic(
         cs: wp.array[real],
         cl: wp.array[real],
         dvdx: wp.array[matrix],
-        grad_p: wp.array[vec],
-        grad_rho: wp.array[vec],
+        grad_p: wp.array2d[real],
+        grad_rho: wp.array2d[real],
         D: wp.array[real],
         mat: wp.array[wp.int32],
         materials: wp.array[Material],
         K: wp.array[matrix],
-        G: wp.array[vec],
+        G: wp.array2d[real],
         h: real,
         gradient_ratio: real,
         limiter_beta: real,
         plane: vec,
         dt: wp.array[real],
         start: wp.array[wp.int32],
-        n_near: wp.array[wp.int32],
-        near: wp.array[wp.int32],
-        slope: wp.array[real],
+        n_neigh: wp.array[wp.int32],
+        neigh: wp.array[wp.int32],
         # out:
         dvdt: wp.array[vec],
         dedt: wp.array[real],
@@ -114,8 +115,10 @@ def make_hydrodynamic(
         if step == zero:
             return
         first = start[i]
+        last = row_end(first, n_neigh[i])
         own = i * on  # K and G are one long where there is no correction
-        xi, vi, kicked_i = x[i], v_start[i], v[i]
+        xi, vi, kicked_i = at(x, i), at(v_start, i), at(v, i)
+        r_max2 = support * support * h * h
         p_i, rho_i, cs_i = p[i], rho[i], cs[i]
         A_i = materials[mat[i]].A_shock
         bears_i, whole_i = True, True
@@ -123,84 +126,95 @@ def make_hydrodynamic(
             lost_i = materials[mat[i]].D_tension
             bears_i, whole_i = D[i] < lost_i, D[i] < wp.max(lost_i, one)
         if wp.static(second):
-            L_i, grad_p_i, grad_rho_i = dvdx[i], grad_p[i], grad_rho[i]
+            L_i, grad_p_i, grad_rho_i = dvdx[i], at(grad_p, i), at(grad_rho, i)
             reach_i = cl[i] * step
         # scalars, not vectors: the compiler keeps them in registers
-        f_x, f_y, f_z, power, rate, mu_max = real(0.0), real(0.0), real(0.0), real(0.0), real(0.0), real(0.0)
-        for k in range(first, first + n_near[i]):
-            j = mirror.index(near[k])
-            sign = mirror.sign(near[k])
-            xij = xi - mirror.point(x[j], sign, plane)
-            vj = mirror.vector(v_start[j], sign)
-            r = wp.sqrt(dot(xij, xij))
-            per_r = one / r
-            e = per_r * xij
-            u_i, u_j = dot(vi, e), dot(vj, e)
-            mu_max = wp.max(mu_max, u_j - u_i)
-            left = side(u_j, p[j], rho[j], cs[j], materials[mat[j]].A_shock)
-            right = side(u_i, p_i, rho_i, cs_i, A_i)
-            bears, whole = bears_i, whole_i
-            if wp.static(fragile):
-                lost_j = materials[mat[j]].D_tension
-                bears, whole = bears and D[j] < lost_j, whole and D[j] < wp.max(lost_j, one)
-            if wp.static(second):
-                if whole:
-                    # differences over the pair: slope times r
-                    u_over = limited(
-                        per_r * quadratic(L_i, xij),
-                        per_r * quadratic(mirror.tensor(dvdx[j], sign), xij),
-                        u_i - u_j,
-                        limiter_beta,
+        f_x, f_y, f_z, power, rate = real(0.0), real(0.0), real(0.0), real(0.0), real(0.0)
+        mu_top = Bits(0)
+        k = wp.int32(first)
+        while k < last:
+            j = mirror.index(neigh[k])
+            sign = mirror.sign(neigh[k])
+            xij = xi - mirror.point(at(x, j), sign, plane)
+            r2 = dot(xij, xij)
+            near = r2 < r_max2 and neigh[k] != i
+            if taken(near):
+                vj = mirror.vector(at(v_start, j), sign)
+                r = wp.sqrt(wp.where(near, r2, h * h))
+                dw, w_ij = wp.where(near, dw_r(r, h), zero), zero
+                per_r = one / r
+                e = per_r * xij
+                u_i, u_j = dot(vi, e), dot(vj, e)
+                mu_top = raised(mu_top, wp.where(near and u_j > u_i, u_j - u_i, zero))
+                left = side(u_j, p[j], rho[j], cs[j], materials[mat[j]].A_shock)
+                right = side(u_i, p_i, rho_i, cs_i, A_i)
+                bears, whole = bears_i, whole_i
+                if wp.static(fragile):
+                    lost_j = materials[mat[j]].D_tension
+                    bears, whole = bears and D[j] < lost_j, whole and D[j] < wp.max(lost_j, one)
+                if wp.static(second):
+                    if whole:
+                        # differences over the pair: slope times r
+                        u_over = limited(
+                            per_r * quadratic(L_i, xij),
+                            per_r * quadratic(mirror.tensor(dvdx[j], sign), xij),
+                            u_i - u_j,
+                            limiter_beta,
+                        )
+                        p_over = limited(
+                            dot(grad_p_i, xij),
+                            dot(mirror.vector(at(grad_p, j), sign), xij),
+                            p_i - p[j],
+                            limiter_beta,
+                        )
+                        rho_over = limited(
+                            dot(grad_rho_i, xij),
+                            dot(mirror.vector(at(grad_rho, j), sign), xij),
+                            rho_i - rho[j],
+                            limiter_beta,
+                        )
+                        swept_i, swept_j = wp.min(reach_i * per_r, one), wp.min(step * cl[j] * per_r, one)
+                        to_i, to_j = half * (one - swept_i), half * (one - swept_j)
+                        rho_l, rho_r = rho[j] + to_j * rho_over, rho_i - to_i * rho_over
+                        if rho_l > zero and rho_r > zero:
+                            sound = of_volume(u_over, half * r * (wp.trace(L_i) + wp.trace(dvdx[j])))
+                            u_l = u_j + half * (u_over - swept_j * sound)
+                            u_r = u_i - half * (u_over - swept_i * sound)
+                            left = side(u_l, p[j] + to_j * p_over, rho_l, cs[j], left.A)
+                            right = side(u_r, p_i - to_i * p_over, rho_r, cs_i, A_i)
+                u_star, p_star = interface(left, right, bears)
+                flux = -two * vol[j] * p_star
+                if wp.static(corrected):
+                    w_ij = wp.where(near, w(r, h), zero)
+                    g_ij = of_pair(xij, dw, w_ij, K[own], at(G, own), h, gradient_ratio)
+                    other = j * on
+                    K_j, G_j = mirror.tensor(K[other], sign), mirror.vector(at(G, other), sign)
+                    q = half * (g_ij - of_pair(-xij, dw, w_ij, K_j, G_j, h, gradient_ratio))
+                    dv = half * (vj - vi) + (u_star - half * (u_i + u_j)) * e
+                    kicked_j = mirror.vector(at(v, j), sign)
+                    dv_kicked = (
+                        half * (kicked_j - kicked_i) + (u_star - half * dot(kicked_i + kicked_j, e)) * e
                     )
-                    p_over = limited(
-                        dot(grad_p_i, xij), dot(mirror.vector(grad_p[j], sign), xij), p_i - p[j], limiter_beta
-                    )
-                    rho_over = limited(
-                        dot(grad_rho_i, xij),
-                        dot(mirror.vector(grad_rho[j], sign), xij),
-                        rho_i - rho[j],
-                        limiter_beta,
-                    )
-                    swept_i, swept_j = wp.min(reach_i * per_r, one), wp.min(step * cl[j] * per_r, one)
-                    to_i, to_j = half * (one - swept_i), half * (one - swept_j)
-                    rho_l, rho_r = rho[j] + to_j * rho_over, rho_i - to_i * rho_over
-                    if rho_l > zero and rho_r > zero:
-                        sound = of_volume(u_over, half * r * (wp.trace(L_i) + wp.trace(dvdx[j])))
-                        u_l = u_j + half * (u_over - swept_j * sound)
-                        u_r = u_i - half * (u_over - swept_i * sound)
-                        left = side(u_l, p[j] + to_j * p_over, rho_l, cs[j], left.A)
-                        right = side(u_r, p_i - to_i * p_over, rho_r, cs_i, A_i)
-            u_star, p_star = interface(left, right, bears)
-            flux = -two * vol[j] * p_star
-            if wp.static(corrected):
-                w_ij = w(r, h)
-                g_ij = of_pair(xij, slope[k], w_ij, K[own], G[own], h, gradient_ratio)
-                other = j * on
-                K_j, G_j = mirror.tensor(K[other], sign), mirror.vector(G[other], sign)
-                q = half * (g_ij - of_pair(-xij, slope[k], w_ij, K_j, G_j, h, gradient_ratio))
-                dv = half * (vj - vi) + (u_star - half * (u_i + u_j)) * e
-                kicked_j = mirror.vector(v[j], sign)
-                dv_kicked = half * (kicked_j - kicked_i) + (u_star - half * dot(kicked_i + kicked_j, e)) * e
-                rate += two * vol[j] * dot(dv, g_ij)
-                power += flux * dot(dv_kicked, q)
-                f = flux * q
-                f_x += f[0]
-                f_y += f[1]
-                f_z += f[2]
-            else:
-                dw = slope[k] * r
-                rate += two * vol[j] * (u_star - u_i) * dw
-                power += flux * (u_star - dot(kicked_i, e)) * dw
-                f = (flux * slope[k]) * xij
-                f_x += f[0]
-                if wp.static(dim > 1):
+                    rate += two * vol[j] * dot(dv, g_ij)
+                    power += flux * dot(dv_kicked, q)
+                    f = flux * q
+                    f_x += f[0]
                     f_y += f[1]
-                if wp.static(dim > 2):
                     f_z += f[2]
+                else:
+                    rate += two * vol[j] * (u_star - u_i) * (dw * r)
+                    power += flux * (u_star - dot(kicked_i, e)) * (dw * r)
+                    f = (flux * dw) * xij
+                    f_x += f[0]
+                    if wp.static(dim > 1):
+                        f_y += f[1]
+                    if wp.static(dim > 2):
+                        f_z += f[2]
+            k += 1
         per_mass = vol[i] / m[i]
         dvdt[i] = per_mass * vec(f_x, f_y, f_z)
         dedt[i] = per_mass * power
         div[i] = rate
-        mu[i] = mu_max
+        mu[i] = value(mu_top)
 
     return hydrodynamic

@@ -6,6 +6,7 @@ import warp as wp
 
 from .correction import make_gradient
 from .interface import make_interface
+from .lanes import make_lanes
 from .material import make_material
 from .mirror import make_mirror
 from .smoothing import Smoothing
@@ -25,6 +26,7 @@ def make_godunov_pm(
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     dot, product = tensor.dot, tensor.product
     zero, half, one, two = real(0.0), real(0.5), real(1.0), real(2.0)
+    at, worth, raised, value, row_end, Bits = make_lanes(s)
     shear_share = real(0.75)
     dim, on = s.dim, wp.constant(int(corrected))
     flags = ("fragile" * fragile, "corrected" * corrected, "planes" * planes)
@@ -35,12 +37,12 @@ def make_godunov_pm(
         """Impedance ρ c_t of transverse waves: c_t² = G/ρ = 3/4 (c_l² - c²)."""
         return rho * wp.sqrt(wp.max(shear_share * (cl * cl - cs * cs), zero))
 
-    @wp.kernel(module=s.module(__name__, "_".join(filter(None, options))))
+    @wp.kernel(module=s.module(__name__, "_".join(filter(None, options)), lanes=True))
     def pair_fluxes(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
-        v: wp.array[vec],
+        x: wp.array2d[real],
+        v: wp.array2d[real],
         m: wp.array[real],
         rho: wp.array[real],
         vol: wp.array[real],
@@ -51,7 +53,7 @@ def make_godunov_pm(
         mat: wp.array[wp.int32],
         materials: wp.array[Material],
         K: wp.array[matrix],
-        G: wp.array[vec],
+        G: wp.array2d[real],
         h: real,
         gradient_ratio: real,
         plane: vec,
@@ -76,8 +78,9 @@ def make_godunov_pm(
         if dt[0] == zero:
             return
         first = start[i]
+        last = row_end(first, n_neigh[i])
         own = i * on  # K and G are one long where there is no correction
-        xi, vi, sig_i = x[i], v[i], sig[i]
+        xi, vi, sig_i = at(x, i), at(v, i), sig[i]
         rho_i, cl_i = rho[i], cl[i]
         Zt_i = shear_impedance(rho_i, cs[i], cl_i)
         A_i = materials[mat[i]].A_shock
@@ -86,32 +89,34 @@ def make_godunov_pm(
             bears_i = D[i] < materials[mat[i]].D_tension
         r_max2 = support * support * h * h
         # scalars, not vectors or matrices: the compiler keeps them in registers
-        f_x, f_y, f_z, power, mu_max = real(0.0), real(0.0), real(0.0), real(0.0), real(0.0)
+        f_x, f_y, f_z, power = real(0.0), real(0.0), real(0.0), real(0.0)
+        mu_top = Bits(0)
         xx, xy, xz = real(0.0), real(0.0), real(0.0)
         yx, yy, yz = real(0.0), real(0.0), real(0.0)
         zx, zy, zz = real(0.0), real(0.0), real(0.0)
-        for k in range(first, first + n_neigh[i]):
+        k = wp.int32(first)
+        while k < last:
             j = mirror.index(neigh[k])
             sign = mirror.sign(neigh[k])
-            xij = xi - mirror.point(x[j], sign, plane)
+            xij = xi - mirror.point(at(x, j), sign, plane)
             r2 = dot(xij, xij)
-            if r2 < r_max2:
-                r = wp.sqrt(r2)
-                dw = dw_r(r, h)
-                w_ij = real(0.0)
+            near = r2 < r_max2 and neigh[k] != i
+            if worth(near):
+                r = wp.sqrt(wp.where(near, r2, h * h))
+                dw, w_ij = wp.where(near, dw_r(r, h), zero), zero
                 if wp.static(corrected):
-                    w_ij = w(r, h)
-                g = of_pair(xij, dw, w_ij, K[own], G[own], h, gradient_ratio)
+                    w_ij = wp.where(near, w(r, h), zero)
+                g = of_pair(xij, dw, w_ij, K[own], at(G, own), h, gradient_ratio)
                 e = (one / r) * xij
                 slope = dot(e, g)
                 if wp.static(corrected):
                     other = j * on
-                    K_j, G_j = mirror.tensor(K[other], sign), mirror.vector(G[other], sign)
+                    K_j, G_j = mirror.tensor(K[other], sign), mirror.vector(at(G, other), sign)
                     slope = half * (slope - dot(e, of_pair(-xij, dw, w_ij, K_j, G_j, h, gradient_ratio)))
-                vj = mirror.vector(v[j], sign)
+                vj = mirror.vector(at(v, j), sign)
                 t_i, t_j = product(sig_i, e), product(mirror.tensor(sig[j], sign), e)
                 u_i, u_j, p_i, p_j = dot(vi, e), dot(vj, e), -dot(t_i, e), -dot(t_j, e)
-                mu_max = wp.max(mu_max, u_j - u_i)
+                mu_top = raised(mu_top, wp.where(near and u_j > u_i, u_j - u_i, zero))
                 left = side(u_j, p_j, rho[j], cl[j], materials[mat[j]].A_shock)
                 right = side(u_i, p_i, rho_i, cl_i, A_i)
                 bears = bears_i
@@ -122,11 +127,11 @@ def make_godunov_pm(
                 Zt_j = shear_impedance(rho[j], cs[j], cl[j])
                 vt_i, vt_j = vi - u_i * e, vj - u_j * e
                 s_i, s_j = t_i + p_i * e, t_j + p_j * e
-                vt, st = half * (vt_i + vt_j), vec()
-                if wp.static(dim > 1) and Zt_i + Zt_j > zero and (bears or p_star > zero):
-                    Z = one / (Zt_i + Zt_j)
-                    vt = Z * (Zt_j * vt_j + Zt_i * vt_i + (s_i - s_j))
-                    st = Z * (Zt_i * s_j + Zt_j * s_i + (Zt_i * Zt_j) * (vt_i - vt_j))
+                slide = Zt_i + Zt_j == zero or not (bears or p_star > zero)
+                Z = wp.where(slide, zero, one / (Zt_i + Zt_j))
+                to_i, to_j = wp.where(slide, half, Z * Zt_i), wp.where(slide, half, Z * Zt_j)
+                vt = to_j * vt_j + to_i * vt_i + Z * (s_i - s_j)
+                st = Z * (Zt_i * s_j + Zt_j * s_i + (Zt_i * Zt_j) * (vt_i - vt_j))
                 dv = (u_star * e + vt) - vi
                 t = (two * vol[j] * slope) * (st - p_star * e)
                 power += dot(t, dv)
@@ -145,10 +150,11 @@ def make_godunov_pm(
                     zx += u[2] * g[0]
                     zy += u[2] * g[1]
                     zz += u[2] * g[2]
+            k += 1
         per_mass = vol[i] / m[i]
         dvdt[i] = per_mass * vec(f_x, f_y, f_z)
         dedt[i] = per_mass * power
         dvdx[i] = matrix(xx, xy, xz, yx, yy, yz, zx, zy, zz)
-        mu[i] = mu_max
+        mu[i] = value(mu_top)
 
     return pair_fluxes

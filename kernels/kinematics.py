@@ -5,7 +5,9 @@ import functools
 import warp as wp
 
 from .correction import make_gradient
+from .coupling import make_counts
 from .kernel_type import EULERIAN
+from .lanes import make_lanes
 from .mirror import make_mirror
 from .smoothing import Smoothing
 from .spec import Spec
@@ -14,34 +16,55 @@ from .tensor import make_tensor
 
 @functools.cache
 def make_kinematics(
-    s: Spec, smoothing: Smoothing, corrected: bool, planes: bool, coupled: bool = False
+    s: Spec,
+    smoothing: Smoothing,
+    corrected: bool,
+    planes: bool,
+    separate: bool = False,
+    coupled: bool = False,
 ) -> wp.Kernel:
-    """Build the velocity-gradient loop; ``coupled``: there are Lagrangian particles, whose gradient is not found here."""
+    """Build the velocity-gradient loop.
+
+    Args:
+        s: Specialisation.
+        smoothing: Smoothing kernel.
+        corrected: Mixed correction of the gradients.
+        planes: Neighbour entries may be mirror images.
+        separate: Neighbours of another body do not count.
+        coupled: There are Lagrangian particles: their gradient is not found here, and eroded ones do not count.
+    """
     real, vec, mat = s.real, s.vec, s.mat
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
-    w = smoothing.w
-    dim = s.dim
-    options = (smoothing.name, "corrected" * corrected, "planes" * planes, "coupled" * coupled)
+    w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
+    at, worth, row_end = make_lanes(s).at, make_lanes(s).worth, make_lanes(s).row_end
+    dim, counts = s.dim, make_counts(separate, coupled)
+    options = (
+        smoothing.name,
+        "corrected" * corrected,
+        "planes" * planes,
+        "separate" * separate,
+        "coupled" * coupled,
+    )
     variant = "_".join(filter(None, options))
 
-    @wp.kernel(module=s.module(__name__, variant))
+    @wp.kernel(module=s.module(__name__, variant, lanes=True))
     def velocity_gradient(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
-        v: wp.array[vec],
+        x: wp.array2d[real],
+        v: wp.array2d[real],
         vol: wp.array[real],
+        body: wp.array[wp.int32],
         kernel_type: wp.array[wp.int32],
         K: wp.array[mat],
-        G: wp.array[vec],
+        G: wp.array2d[real],
         h: real,
         gradient_ratio: real,
         plane: vec,
         dt: wp.array[real],
         start: wp.array[wp.int32],
-        n_near: wp.array[wp.int32],
-        near: wp.array[wp.int32],
-        slope: wp.array[real],
+        n_neigh: wp.array[wp.int32],
+        neigh: wp.array[wp.int32],
         # out:
         dvdx: wp.array[mat],
     ):
@@ -53,33 +76,43 @@ def make_kinematics(
             if kernel_type[i] != EULERIAN:
                 return
         first = start[i]
+        last = row_end(first, n_neigh[i])
         own = i * wp.static(int(corrected))  # K and G are one long where there is no correction
-        xi, vi = x[i], v[i]
+        xi, vi = at(x, i), at(v, i)
+        r_max2 = support * support * h * h
         # scalars, not a matrix: the compiler keeps them in registers
         xx, xy, xz = real(0.0), real(0.0), real(0.0)
         yx, yy, yz = real(0.0), real(0.0), real(0.0)
         zx, zy, zz = real(0.0), real(0.0), real(0.0)
-        for k in range(first, first + n_near[i]):
-            j = mirror.index(near[k])
-            sign = mirror.sign(near[k])
-            xij = xi - mirror.point(x[j], sign, plane)
-            vji = mirror.vector(v[j], sign) - vi
-            w_ij = real(0.0)
-            if wp.static(corrected):
-                w_ij = w(wp.sqrt(tensor.dot(xij, xij)), h)
-            g = of_pair(xij, slope[k], w_ij, K[own], G[own], h, gradient_ratio)
-            u = vol[j] * vji
-            xx += u[0] * g[0]
-            if wp.static(dim > 1):
-                xy += u[0] * g[1]
-                yx += u[1] * g[0]
-                yy += u[1] * g[1]
-            if wp.static(dim > 2):
-                xz += u[0] * g[2]
-                yz += u[1] * g[2]
-                zx += u[2] * g[0]
-                zy += u[2] * g[1]
-                zz += u[2] * g[2]
+        k = wp.int32(first)
+        while k < last:
+            j = mirror.index(neigh[k])
+            sign = mirror.sign(neigh[k])
+            xij = xi - mirror.point(at(x, j), sign, plane)
+            r2 = tensor.dot(xij, xij)
+            near = r2 < r_max2 and neigh[k] != i
+            if wp.static(separate or coupled):
+                near = near and counts(body[i], body[j], kernel_type[j])
+            if worth(near):
+                r = wp.sqrt(r2)
+                vji = mirror.vector(at(v, j), sign) - vi
+                dw, w_ij = wp.where(near, dw_r(r, h), real(0.0)), real(0.0)
+                if wp.static(corrected):
+                    w_ij = wp.where(near, w(r, h), real(0.0))
+                g = of_pair(xij, dw, w_ij, K[own], at(G, own), h, gradient_ratio)
+                u = vol[j] * vji
+                xx += u[0] * g[0]
+                if wp.static(dim > 1):
+                    xy += u[0] * g[1]
+                    yx += u[1] * g[0]
+                    yy += u[1] * g[1]
+                if wp.static(dim > 2):
+                    xz += u[0] * g[2]
+                    yz += u[1] * g[2]
+                    zx += u[2] * g[0]
+                    zy += u[2] * g[1]
+                    zz += u[2] * g[2]
+            k += 1
         dvdx[i] = mat(xx, xy, xz, yx, yy, yz, zx, zy, zz)
 
     return velocity_gradient

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import warp as wp
 
 from .correction import make_gradient
-from .coupling import ARTIFICIAL_STRESS, FORCE, KINEMATICS, PURE, Coupling, make_coupling
+from .coupling import ALL, ARTIFICIAL_STRESS, FORCE, PURE, Coupling, make_coupling
+from .lanes import make_lanes
 from .mirror import make_mirror
 from .parts import ARTIFICIAL, VISCOUS, part_types
 from .smoothing import Smoothing
@@ -49,18 +50,19 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
     Accelerations, Powers = part_types(s)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     dot, product = tensor.dot, tensor.product
+    at, worth, raised, value, row_end, Bits = make_lanes(s)
     switched, stressed = terms.switched, terms.artificial_stress
     half = real(0.5)
     dim, on, coupled = s.dim, wp.constant(int(terms.corrected)), bool(terms.coupling.form)
     shared = bool(terms.coupling.tag)  # a pair may lack some of the terms
 
-    @wp.kernel(module=s.module(__name__, "_".join(p for p in (smoothing.name, terms.tag) if p)))
+    @wp.kernel(module=s.module(__name__, "_".join(p for p in (smoothing.name, terms.tag) if p), lanes=True))
     def momentum(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
-        X: wp.array[vec],
-        v: wp.array[vec],
+        x: wp.array2d[real],
+        X: wp.array2d[real],
+        v: wp.array2d[real],
         m: wp.array[real],
         rho: wp.array[real],
         vol: wp.array[real],
@@ -71,7 +73,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         av_switch: wp.array[real],
         R: wp.array[mat],
         K: wp.array[mat],
-        G: wp.array[vec],
+        G: wp.array2d[real],
         h: real,
         spacing: real,
         gradient_ratio: real,
@@ -88,67 +90,60 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         part_a: wp.array[Accelerations],
         part_power: wp.array[Powers],
         mu: wp.array[real],
-        near: wp.array[wp.int32],
-        slope: wp.array[real],
-        n_near: wp.array[wp.int32],
     ):
         """dvdt = Σ f_ab / m_a [m/s²] and dedt = Σ (w_ab - f_ab·v_a) / m_a [W/kg] (sections 3 and 11; paper A eq 1).
 
         f_ab = V_a V_b (σ_a g_ab - σ_b g_ba) + m_a m_b/2 (Π_ab - f^4 R_ab)(g_ba - g_ab); mu = largest |mu_ab| [m/s].
-        What viscosity and artificial stress contribute is kept in part_a and part_power. The pairs within the support,
-        and their (dW/dr)/r, are left behind for the velocity gradient.
+        What viscosity and artificial stress contribute is kept in part_a and part_power.
         """
         i = wp.tid() + offset
         if dt[0] == real(0.0):
             return
         first = start[i]
+        last = row_end(first, n_neigh[i])
         own = i * on  # K and G are one long where there is no correction
-        xi, vi, sig_i = x[i], v[i], sig[i]
+        xi, vi, sig_i = at(x, i), at(v, i), sig[i]
         m_i, rho_i, cs_i, vol_i = m[i], rho[i], cs[i], vol[i]
         areal_i = m_i / vol_i
         r_max2 = support * support * h * h
         # scalars, not vectors: the compiler keeps them in registers
-        f_x, f_y, f_z, power, mu_max = real(0.0), real(0.0), real(0.0), real(0.0), real(0.0)
+        f_x, f_y, f_z, power = real(0.0), real(0.0), real(0.0), real(0.0)
         visc_x, visc_y, visc_z, visc_power = real(0.0), real(0.0), real(0.0), real(0.0)
         art_x, art_y, art_z, art_power = real(0.0), real(0.0), real(0.0), real(0.0)
+        mu_top = Bits(0)
         if wp.static(stressed):
             w_spacing = real(1.0) / w(spacing, h)
-        found = wp.int32(0)
-        bits = wp.int32(wp.static(FORCE | ARTIFICIAL_STRESS | KINEMATICS))
-        for k in range(first, first + n_neigh[i]):
+        bits = wp.int32(wp.static(ALL))
+        k = wp.int32(first)
+        while k < last:
             j = mirror.index(neigh[k])
             sign = mirror.sign(neigh[k])
-            xij = xi - mirror.point(x[j], sign, plane)
+            xij = xi - mirror.point(at(x, j), sign, plane)
             r2 = dot(xij, xij)
-            if r2 < r_max2:
+            near = r2 < r_max2 and neigh[k] != i
+            if worth(near):
                 if wp.static(shared):
                     Xij = vec()
                     if wp.static(coupled):
-                        Xij = X[i] - mirror.point(X[j], sign, plane)
+                        Xij = at(X, i) - mirror.point(at(X, j), sign, plane)
                     bits = terms_of(kernel_type[i], kernel_type[j], body[i] == body[j], Xij, support * h)
-                    if bits == 0:
-                        continue
                 r = wp.sqrt(r2)
-                dw = dw_r(r, h)
-                if (bits & wp.static(KINEMATICS)) != 0:
-                    near[first + found] = neigh[k]
-                    slope[first + found] = dw
-                    found += 1
+                dw = wp.where(near, dw_r(r, h), real(0.0))
                 w_ij = real(0.0)
                 if wp.static(terms.corrected):
-                    w_ij = w(r, h)
-                g_ij = of_pair(xij, dw, w_ij, K[own], G[own], h, gradient_ratio)
+                    w_ij = wp.where(near, w(r, h), real(0.0))
+                g_ij = of_pair(xij, dw, w_ij, K[own], at(G, own), h, gradient_ratio)
                 other = j * on
                 g_ji = of_pair(
                     -xij,
                     dw,
                     w_ij,
                     mirror.tensor(K[other], sign),
-                    mirror.vector(G[other], sign),
+                    mirror.vector(at(G, other), sign),
                     h,
                     gradient_ratio,
                 )
-                vji = mirror.vector(v[j], sign) - vi
+                vji = mirror.vector(at(v, j), sign) - vi
                 g_mean = -g_ij
                 if wp.static(terms.corrected):
                     g_mean = half * (g_ji - g_ij)
@@ -162,26 +157,24 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                         f_y += stress[1]
                     if wp.static(dim > 2):
                         f_z += stress[2]
-                    closing = -dot(vji, xij)
-                    if closing < real(0.0):
-                        mu_ij = viscosity.approach(closing, r2, h)
-                        mu_max = wp.max(mu_max, -mu_ij)
-                        pi_ij = viscosity.pressure(
-                            mu_ij,
-                            half * (cs_i + cs[j]),
-                            half * (rho_i + rho[j]),
-                            viscosity_alpha,
-                            viscosity_beta,
-                        )
-                        if wp.static(switched):
-                            pi_ij *= half * (av_switch[i] + av_switch[j])
-                        drag = (pair_mass * pi_ij) * g_mean
-                        visc_power += dot(vji, drag)
-                        visc_x += drag[0]
-                        if wp.static(dim > 1):
-                            visc_y += drag[1]
-                        if wp.static(dim > 2):
-                            visc_z += drag[2]
+                    mu_ij = viscosity.approach(wp.where(near, -dot(vji, xij), real(0.0)), r2, h)
+                    mu_top = raised(mu_top, -mu_ij)
+                    pi_ij = viscosity.pressure(
+                        mu_ij,
+                        half * (cs_i + cs[j]),
+                        half * (rho_i + rho[j]),
+                        viscosity_alpha,
+                        viscosity_beta,
+                    )
+                    if wp.static(switched):
+                        pi_ij *= half * (av_switch[i] + av_switch[j])
+                    drag = (pair_mass * pi_ij) * g_mean
+                    visc_power += dot(vji, drag)
+                    visc_x += drag[0]
+                    if wp.static(dim > 1):
+                        visc_y += drag[1]
+                    if wp.static(dim > 2):
+                        visc_z += drag[2]
                 if wp.static(stressed):
                     R_ij = R[i] + mirror.tensor(R[j], sign)
                     # zero, unless one of the two is in tension
@@ -194,6 +187,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                             art_y += push[1]
                         if wp.static(dim > 2):
                             art_z += push[2]
+            k += 1
         per_mass = real(1.0) / areal_i
         dvdt[i] = per_mass * vec(f_x + visc_x + art_x, f_y + visc_y + art_y, f_z + visc_z + art_z)
         dedt[i] = per_mass * (power + half * (visc_power + art_power))
@@ -204,7 +198,6 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         a[wp.static(ARTIFICIAL)] = per_mass * vec(art_x, art_y, art_z)
         part_a[i] = a
         part_power[i] = powers
-        mu[i] = mu_max
-        n_near[i] = found
+        mu[i] = value(mu_top)
 
     return momentum

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import warp as wp
 
 from .kernel_type import ERODED
+from .lanes import make_lanes
 from .mirror import INDEX_BITS, make_mirror
 from .spec import Spec
 from .tensor import make_tensor
@@ -47,6 +48,7 @@ def make_neighbours(
             return False
         return True
 
+    row_end = make_lanes(s).row_end
     masks = wp.constant(8 if planes else 1)
     slack = wp.constant(SLACK)
 
@@ -68,7 +70,7 @@ def make_neighbours(
         n_neigh: wp.array[wp.int32],
         overflow: wp.array[wp.int32],
     ):
-        """Write the neighbours |x_i - x_j| < radius, mirror images included, i itself left out.
+        """Write the neighbours |x_i - x_j| < radius, mirror images included, i itself left out but to fill up the row.
 
         Every candidate is written and only a neighbour moves the end on: no branch to mispredict, and the reason
         why a row has at least one spare place. A row without room is counted to its end and reported, never cut.
@@ -93,8 +95,12 @@ def make_neighbours(
                         near = near and fits(body[i], body[j], kernel_type[j])
                     n += wp.where(near, 1, 0)
         n_neigh[i] = n
-        if n >= room:
+        last = row_end(first, n)
+        if n >= room or last > first + room:
             overflow[0] = 1
+        else:
+            for k in range(first + n, last):
+                neigh[k] = i
 
     @wp.kernel(module=module)
     def reserve(
@@ -107,7 +113,8 @@ def make_neighbours(
     ):
         """Give every row half as much again as it needs now, and `SLACK` places; one place where it is ``lasting``."""
         i = wp.tid() + offset
-        room[i] = wp.where(lasting == 1, n_neigh[i] + 1, n_neigh[i] + n_neigh[i] / 2 + slack)
+        n = wp.where(lasting == 1, n_neigh[i] + 1, n_neigh[i] + n_neigh[i] / 2 + slack)
+        room[i] = row_end(0, n)
 
     @wp.kernel(module=module)
     def cell_order(

@@ -5,6 +5,16 @@ from dataclasses import dataclass
 
 import warp as wp
 
+LANES = 8
+"""Pairs that a loop on a CPU handles at once: single-precision numbers in 256 bits, double ones in 512. Rows of
+neighbours are filled up to a multiple of it."""
+
+LANE_FLAGS = (
+    "-mreassociate -fno-signed-zeros -mprefer-vector-width=512 -mllvm=-force-target-max-vector-interleave=1"
+)
+"""CPU compiler flags of loops over lanes: sums may be taken in any order and a zero has no sign; the widest registers,
+one at a time, for rows are short."""
+
 
 @dataclass(frozen=True)
 class Spec:
@@ -15,10 +25,12 @@ class Spec:
     Attributes:
         dim: Space dimension: 1, 2 or 3.
         real: ``wp.float32`` or ``wp.float64``.
+        lanes: Pairs that a loop handles at once: `LANES` on a CPU, 1 on a GPU, whose threads are its lanes (see `lanes`).
     """
 
     dim: int
     real: type
+    lanes: int = LANES
 
     @functools.cached_property
     def vec(self) -> type:
@@ -33,14 +45,18 @@ class Spec:
     @property
     def tag(self) -> str:
         """Short name, for example ``3d_f32``."""
-        return f"{self.dim}d_f{32 if self.real is wp.float32 else 64}"
+        return f"{self.dim}d_f{32 if self.real is wp.float32 else 64}" + "_gpu" * (self.lanes == 1)
 
-    def module(self, file: str, variant: str = "") -> str:
+    def module(self, file: str, variant: str = "", lanes: bool = False) -> str:
         """Name the Warp module that holds the kernels of ``file`` at this specialisation.
 
         Warp compiles and caches one module at a time and fixes its options at the first load, so a
-        file whose kernels have compile-time options beyond the specialisation adds a ``variant``.
+        file whose kernels have compile-time options beyond the specialisation adds a ``variant``; one whose
+        loops are over lanes says so.
         """
         name = ".".join(part for part in (file, self.tag, variant) if part)
         wp.get_module(name).options |= {"enable_backward": False, "default_grid_stride": False}
+        if lanes and self.lanes > 1:
+            flags = wp.config.cpu_compiler_flags or "-march=native"
+            wp.get_module(name).options["cpu_compiler_flags"] = f"{flags} {LANE_FLAGS}"
         return name

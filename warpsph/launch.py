@@ -144,6 +144,8 @@ def _checked(kernel: wp.Kernel, var, name: str, value: object) -> object:
         return value.id
     if hasattr(value, "_cls") and value._cls is not var.type:
         raise TypeError(f"{kernel.key}: struct {name!r} was built for another precision")
+    if isinstance(value, wp.array) and getattr(var.type, "ndim", 1) > value.ndim:
+        value = _components(value)
     if isinstance(value, wp.array):
         expected, found = var.type.dtype, value.dtype
         if not wp.types.types_equal(expected, found):
@@ -151,6 +153,15 @@ def _checked(kernel: wp.Kernel, var, name: str, value: object) -> object:
                 f"{kernel.key}: array {name!r} has type {found.__name__}, not {expected.__name__}"
             )
     return value
+
+
+def _components(vectors: wp.array) -> wp.array:
+    """The same memory as an array of components, shape [n, 3]: what a loop over lanes reads (`kernels.lanes`)."""
+    element = vectors.dtype
+    return wp.array(
+        ptr=vectors.ptr, shape=(vectors.size, element._length_), dtype=element._wp_scalar_type_,
+        device=vectors.device, copy=False,
+    )  # fmt: skip
 
 
 def find_device(name: str) -> wp.Device:

@@ -26,9 +26,6 @@ class Neighbours:
         start: Row offsets, shape [n + 1], int32.
         n_neigh: Entries in use in each row, shape [n], int32.
         neigh: Entries, see `warpsph.rows.Rows`.
-        near: The entries within the support, as the force loop of a step leaves them, row by row like ``neigh``.
-        slope: (dW/dr)/r of those [1/m^(dim+2)].
-        n_near: Their number in each row, shape [n], int32.
         role: 0: no row; 1: a row; 2: its tile may have Eulerian particles, shape [n], int32 (1 long if all have rows).
         unlisted: 1: a particle converted whose neighbours have no rows, shape [1], int32.
         x_listed: Positions at the last build [m], shape [n, 3].
@@ -83,9 +80,7 @@ class Neighbours:
             self._order = wp.zeros(n, dtype=wp.int32)
             self.role = wp.zeros(n if selective else 1, dtype=wp.int32)
             self.unlisted = wp.zeros(1, dtype=wp.int32)
-            self.n_near = wp.zeros(n, dtype=wp.int32)
             self.x_listed = wp.zeros(n, dtype=spec.vec)
-        self._follow_rows()
         self.builds, self.generation = 0, 0
 
     @property
@@ -123,14 +118,7 @@ class Neighbours:
 
     def _fill(self, radius: float) -> None:
         if self._rows.fill(self, self._particles, radius=radius):
-            self._follow_rows()
             self.generation += 1
-
-    def _follow_rows(self) -> None:
-        """Give the copies of the rows that a step makes the same capacity."""
-        with wp.ScopedDevice(self._launcher.device):
-            self.near = wp.empty(self.neigh.size, dtype=wp.int32)
-            self.slope = wp.empty(self.neigh.size, dtype=self._particles.spec.real)
 
     def mean_count(self) -> float:
         """Mean number of neighbours within the kernel's support now, the particle itself left out.

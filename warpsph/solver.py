@@ -64,7 +64,8 @@ class Solver:
             raise InputError(f"precision {precision!r} is unknown; allowed: {', '.join(PRECISIONS)}")
         self.data, self.precision = data, precision
         self.launcher = Launcher(device, threads)
-        self._spec = Spec(data.dim, PRECISIONS[precision])
+        lanes = {"lanes": 1} if self.launcher.device.is_cuda else {}
+        self._spec = Spec(data.dim, PRECISIONS[precision], **lanes)
         h = data.h
         self._scheme = make_scheme(data, self._spec)
         self.particles = Particles(data, self._spec, self.launcher, self._scheme.groups)

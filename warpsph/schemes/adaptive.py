@@ -34,7 +34,9 @@ class Adaptive(Lagrangian):
         )
         self._momentum = make_momentum(spec, self.smoothing, terms)
         self._momentum_lagrangian = make_momentum_lagrangian(spec, self.smoothing, lagrangian_terms)
-        self._velocity_gradient = make_kinematics(spec, self.smoothing, s.correction, planes, True)
+        self._velocity_gradient = make_kinematics(
+            spec, self.smoothing, s.correction, planes, coupling.separate, coupled=True
+        )
         self._artificial_stress = make_artificial_stress(spec) if s.artificial_stress else None
         self._converts = settings.eulerian is not None
         self.spread_radius = numerics.conversion.radius if numerics.conversion else None

@@ -36,7 +36,9 @@ class Eulerian(Scheme):
         switched, coupling = s.viscosity != "monaghan", Coupling(separate=numerics.contact is not None)
         terms = PairTerms(s.correction, switched, s.artificial_stress, planes, coupling)
         self._momentum = make_momentum(spec, self.smoothing, terms)
-        self._velocity_gradient = make_kinematics(spec, self.smoothing, s.correction, planes)
+        self._velocity_gradient = make_kinematics(
+            spec, self.smoothing, s.correction, planes, coupling.separate
+        )
         self._switch = getattr(make_switches(spec), s.viscosity) if switched else None
         self._artificial_stress = make_artificial_stress(spec) if s.artificial_stress else None
 
