@@ -25,7 +25,7 @@ class ContactKernels(NamedTuple):
 @functools.cache
 def make_contact(s: Spec, smoothing: Smoothing, planes: bool) -> ContactKernels:
     """Build the pair loop over particles of other bodies; ``planes``: neighbour entries may be mirror images."""
-    real, vec = s.real, s.vec
+    real, vec, point = s.real, s.vec, s.point
     Accelerations, Powers = part_types(s)
     mirror, dot = make_mirror(s, planes), make_tensor(s).dot
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
@@ -36,7 +36,7 @@ def make_contact(s: Spec, smoothing: Smoothing, planes: bool) -> ContactKernels:
     def contact(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
+        x: wp.array[point],
         v: wp.array[vec],
         m: wp.array[real],
         vol: wp.array[real],
@@ -47,7 +47,7 @@ def make_contact(s: Spec, smoothing: Smoothing, planes: bool) -> ContactKernels:
         contact_scale: real,
         h: real,
         spacing: real,
-        plane: vec,
+        plane: point,
         dt: wp.array[real],
         start: wp.array[wp.int32],
         n_neigh: wp.array[wp.int32],
@@ -81,7 +81,7 @@ def make_contact(s: Spec, smoothing: Smoothing, planes: bool) -> ContactKernels:
             j = mirror.index(neigh[k])
             if body[j] != body_i and kernel_type[j] != ERODED:
                 sign = mirror.sign(neigh[k])
-                xij = xi - mirror.point(x[j], sign, plane)
+                xij = mirror.apart(xi, x[j], sign, plane)
                 r2 = dot(xij, xij)
                 if r2 < r_max2:
                     r = wp.sqrt(r2)

@@ -57,7 +57,7 @@ class ConversionKernels(NamedTuple):
 @functools.cache
 def make_conversion(s: Spec, criteria: Criteria, planes: bool) -> ConversionKernels:
     """Build the kernels for one set of criteria."""
-    real, vec, matrix = s.real, s.vec, s.mat
+    real, point, matrix = s.real, s.point, s.mat
     mirror, dot = make_mirror(s, planes), make_tensor(s).dot
     zero, one, ripe_share = real(0.0), real(1.0), real(RIPE)
     measured = criteria.measure not in ("", "plastic")
@@ -158,11 +158,11 @@ def make_conversion(s: Spec, criteria: Criteria, planes: bool) -> ConversionKern
     def spread(
         offset: wp.int32,
         # in:
-        X: wp.array[vec],
+        X: wp.array[point],
         kernel_type: wp.array[wp.int32],
         fate: wp.array[wp.int32],
         spread_radius: real,
-        plane: vec,
+        plane: point,
         spreading: wp.array[real],
         start0: wp.array[wp.int32],
         n_neigh0: wp.array[wp.int32],
@@ -177,7 +177,7 @@ def make_conversion(s: Spec, criteria: Criteria, planes: bool) -> ConversionKern
             for k in range(start0[i], start0[i] + n_neigh0[i]):
                 j = mirror.index(neigh0[k])
                 if fate[j] > own_fate + 1:
-                    Xij = X[i] - mirror.point(X[j], mirror.sign(neigh0[k]), plane)
+                    Xij = mirror.apart(X[i], X[j], mirror.sign(neigh0[k]), plane)
                     if dot(Xij, Xij) <= spread_radius * spread_radius:
                         own_fate = fate[j] - 1
         fate_next[i] = own_fate

@@ -36,7 +36,7 @@ def make_correction(
         separate: Neighbours of another body do not count.
         coupled: There are Lagrangian particles: eroded ones do not count.
     """
-    real, vec, mat, dim = s.real, s.vec, s.mat, s.dim
+    real, vec, mat, point, dim = s.real, s.vec, s.mat, s.point, s.dim
     mirror, tensor = make_mirror(s, planes), make_tensor(s)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     bound = real(CONDITION)
@@ -69,12 +69,12 @@ def make_correction(
     def correction(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
+        x: wp.array[point],
         vol: wp.array[real],
         body: wp.array[wp.int32],
         kernel_type: wp.array[wp.int32],
         h: real,
-        plane: vec,
+        plane: point,
         dt: wp.array[real],
         start: wp.array[wp.int32],
         n_neigh: wp.array[wp.int32],
@@ -95,7 +95,7 @@ def make_correction(
         neighbours = wp.int32(0)
         for k in range(first, first + n_neigh[i]):
             j = mirror.index(neigh[k])
-            xij = xi - mirror.point(x[j], mirror.sign(neigh[k]), plane)
+            xij = mirror.apart(xi, x[j], mirror.sign(neigh[k]), plane)
             r2 = tensor.dot(xij, xij)
             if r2 < r_max2 and counts(body[i], body[j], kernel_type[j]):
                 r = wp.sqrt(r2)
@@ -106,7 +106,7 @@ def make_correction(
         M = mat()
         for k in range(first, first + n_neigh[i]):
             j = mirror.index(neigh[k])
-            xij = xi - mirror.point(x[j], mirror.sign(neigh[k]), plane)
+            xij = mirror.apart(xi, x[j], mirror.sign(neigh[k]), plane)
             r2 = tensor.dot(xij, xij)
             if r2 < r_max2 and counts(body[i], body[j], kernel_type[j]):
                 r = wp.sqrt(r2)

@@ -33,7 +33,7 @@ class DeformationKernels(NamedTuple):
 @functools.cache
 def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKernels:
     """Build the kernels for one specialisation; ``corrected``: gradients are, in the reference configuration."""
-    real, vec, mat, dim = s.real, s.vec, s.mat, s.dim
+    real, vec, mat, point, dim = s.real, s.vec, s.mat, s.point, s.dim
     mirror = make_mirror(s, planes)
     half, zero, one, smallest = real(0.5), real(0.0), real(1.0), real(SMALLEST_J)
     mismatch, contraction2 = real(LARGEST_MISMATCH), real(LARGEST_CONTRACTION**2)
@@ -49,12 +49,12 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
     def rate(
         offset: wp.int32,
         # in:
-        X: wp.array[vec],
+        X: wp.array[point],
         v: wp.array[vec],
         kernel_type: wp.array[wp.int32],
         interface: wp.array[wp.int32],
         G0: wp.array[vec],
-        plane: vec,
+        plane: point,
         dt: wp.array[real],
         start0: wp.array[wp.int32],
         n_neigh0: wp.array[wp.int32],
@@ -81,7 +81,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
             j = mirror.index(neigh0[k])
             sign = mirror.sign(neigh0[k])
             u = mirror.vector(v[j], sign) - vi
-            g = slope0[k] * (Xi - mirror.point(X[j], sign, plane))
+            g = slope0[k] * mirror.apart(Xi, X[j], sign, plane)
             xx += u[0] * g[0]
             if wp.static(dim > 1):
                 xy += u[0] * g[1]

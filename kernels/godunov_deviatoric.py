@@ -14,7 +14,7 @@ from .tensor import make_tensor
 @functools.cache
 def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, planes: bool) -> wp.Kernel:
     """Build the loop; for second order it also leaves the slopes of pressure and density."""
-    real, vec, matrix = s.real, s.vec, s.mat
+    real, vec, matrix, point = s.real, s.vec, s.mat, s.point
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     dot, product = tensor.dot, tensor.product
@@ -26,7 +26,7 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
     def deviatoric(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
+        x: wp.array[point],
         v: wp.array[vec],
         m: wp.array[real],
         rho: wp.array[real],
@@ -37,7 +37,7 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
         G: wp.array[vec],
         h: real,
         gradient_ratio: real,
-        plane: vec,
+        plane: point,
         dt: wp.array[real],
         start: wp.array[wp.int32],
         n_neigh: wp.array[wp.int32],
@@ -73,7 +73,7 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
         for k in range(first, first + n_neigh[i]):
             j = mirror.index(neigh[k])
             sign = mirror.sign(neigh[k])
-            xij = xi - mirror.point(x[j], sign, plane)
+            xij = mirror.apart(xi, x[j], sign, plane)
             r2 = dot(xij, xij)
             if r2 < r_max2:
                 r = wp.sqrt(r2)

@@ -45,7 +45,7 @@ def make_hydrodynamic(
     s: Spec, smoothing: Smoothing, states: Reconstruction, corrected: bool, planes: bool
 ) -> wp.Kernel:
     """Build the loop."""
-    real, vec, matrix = s.real, s.vec, s.mat
+    real, vec, matrix, point = s.real, s.vec, s.mat, s.point
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     side, interface = make_interface(s, states.riemann)
     Material = make_material(s)
@@ -66,7 +66,7 @@ def make_hydrodynamic(
     def hydrodynamic(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
+        x: wp.array[point],
         v: wp.array[vec],
         v_start: wp.array[vec],
         m: wp.array[real],
@@ -86,7 +86,7 @@ def make_hydrodynamic(
         h: real,
         gradient_ratio: real,
         limiter_beta: real,
-        plane: vec,
+        plane: point,
         dt: wp.array[real],
         start: wp.array[wp.int32],
         n_near: wp.array[wp.int32],
@@ -130,7 +130,7 @@ def make_hydrodynamic(
         for k in range(first, first + n_near[i]):
             j = mirror.index(near[k])
             sign = mirror.sign(near[k])
-            xij = xi - mirror.point(x[j], sign, plane)
+            xij = mirror.apart(xi, x[j], sign, plane)
             vj = mirror.vector(v_start[j], sign)
             r = wp.sqrt(dot(xij, xij))
             per_r = one / r

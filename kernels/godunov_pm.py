@@ -18,7 +18,7 @@ def make_godunov_pm(
     s: Spec, smoothing: Smoothing, riemann: str, fragile: bool, corrected: bool, planes: bool
 ) -> wp.Kernel:
     """Build the pair loop; ``fragile``: some material bears no tension, or none once it has failed."""
-    real, vec, matrix = s.real, s.vec, s.mat
+    real, vec, matrix, point = s.real, s.vec, s.mat, s.point
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     side, interface = make_interface(s, riemann)
     Material = make_material(s)
@@ -39,7 +39,7 @@ def make_godunov_pm(
     def pair_fluxes(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
+        x: wp.array[point],
         v: wp.array[vec],
         m: wp.array[real],
         rho: wp.array[real],
@@ -54,7 +54,7 @@ def make_godunov_pm(
         G: wp.array[vec],
         h: real,
         gradient_ratio: real,
-        plane: vec,
+        plane: point,
         dt: wp.array[real],
         start: wp.array[wp.int32],
         n_neigh: wp.array[wp.int32],
@@ -93,7 +93,7 @@ def make_godunov_pm(
         for k in range(first, first + n_neigh[i]):
             j = mirror.index(neigh[k])
             sign = mirror.sign(neigh[k])
-            xij = xi - mirror.point(x[j], sign, plane)
+            xij = mirror.apart(xi, x[j], sign, plane)
             r2 = dot(xij, xij)
             if r2 < r_max2:
                 r = wp.sqrt(r2)

@@ -17,7 +17,7 @@ def make_kinematics(
     s: Spec, smoothing: Smoothing, corrected: bool, planes: bool, coupled: bool = False
 ) -> wp.Kernel:
     """Build the velocity-gradient loop; ``coupled``: there are Lagrangian particles, whose gradient is not found here."""
-    real, vec, mat = s.real, s.vec, s.mat
+    real, vec, mat, point = s.real, s.vec, s.mat, s.point
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     w = smoothing.w
     dim = s.dim
@@ -28,7 +28,7 @@ def make_kinematics(
     def velocity_gradient(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
+        x: wp.array[point],
         v: wp.array[vec],
         vol: wp.array[real],
         kernel_type: wp.array[wp.int32],
@@ -36,7 +36,7 @@ def make_kinematics(
         G: wp.array[vec],
         h: real,
         gradient_ratio: real,
-        plane: vec,
+        plane: point,
         dt: wp.array[real],
         start: wp.array[wp.int32],
         n_near: wp.array[wp.int32],
@@ -62,7 +62,7 @@ def make_kinematics(
         for k in range(first, first + n_near[i]):
             j = mirror.index(near[k])
             sign = mirror.sign(near[k])
-            xij = xi - mirror.point(x[j], sign, plane)
+            xij = mirror.apart(xi, x[j], sign, plane)
             vji = mirror.vector(v[j], sign) - vi
             w_ij = real(0.0)
             if wp.static(corrected):

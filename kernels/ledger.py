@@ -1,6 +1,7 @@
 """Conserved quantities and extremes of all particles, as one partial sum per block, in double precision."""
 
 import functools
+from typing import Any
 
 import warp as wp
 
@@ -26,7 +27,7 @@ MAXIMA = ("pressure_max", "tension_max", "speed_max", "density_max", "rarefactio
 @functools.cache
 def make_ledger(s: Spec) -> wp.Kernel:
     """Build the kernel for one precision."""
-    real, vec = s.real, s.vec
+    real, vec, point = s.real, s.vec, s.point
     d = wp.float64
     vec3 = wp.types.vector(3, d)
     _, Powers = part_types(s)
@@ -37,14 +38,14 @@ def make_ledger(s: Spec) -> wp.Kernel:
     n_sums, n_maxima = len(SUMS), len(MAXIMA)
 
     @wp.func
-    def wide(a: vec):
+    def wide(a: Any):
         return vec3(d(a[0]), d(a[1]), d(a[2]))
 
     @wp.kernel(module=s.module(__name__))
     def ledger(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
+        x: wp.array[point],
         v: wp.array[vec],
         m: wp.array[real],
         e: wp.array[real],

@@ -43,7 +43,7 @@ class PairTerms:
 @functools.cache
 def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
     """Build the momentum and energy loop for one set of terms."""
-    real, vec, mat = s.real, s.vec, s.mat
+    real, vec, mat, point = s.real, s.vec, s.mat, s.point
     mirror, tensor, of_pair = make_mirror(s, terms.planes), make_tensor(s), make_gradient(s, terms.corrected)
     viscosity, terms_of = make_viscosity(s), make_coupling(s, terms.coupling)
     Accelerations, Powers = part_types(s)
@@ -58,8 +58,8 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
     def momentum(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
-        X: wp.array[vec],
+        x: wp.array[point],
+        X: wp.array[point],
         v: wp.array[vec],
         m: wp.array[real],
         rho: wp.array[real],
@@ -77,7 +77,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         gradient_ratio: real,
         viscosity_alpha: real,
         viscosity_beta: real,
-        plane: vec,
+        plane: point,
         dt: wp.array[real],
         start: wp.array[wp.int32],
         n_neigh: wp.array[wp.int32],
@@ -118,13 +118,13 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         for k in range(first, first + n_neigh[i]):
             j = mirror.index(neigh[k])
             sign = mirror.sign(neigh[k])
-            xij = xi - mirror.point(x[j], sign, plane)
+            xij = mirror.apart(xi, x[j], sign, plane)
             r2 = dot(xij, xij)
             if r2 < r_max2:
                 if wp.static(shared):
                     Xij = vec()
                     if wp.static(coupled):
-                        Xij = X[i] - mirror.point(X[j], sign, plane)
+                        Xij = mirror.apart(X[i], X[j], sign, plane)
                     bits = terms_of(kernel_type[i], kernel_type[j], body[i] == body[j], Xij, support * h)
                     if bits == 0:
                         continue

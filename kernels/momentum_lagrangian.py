@@ -46,7 +46,7 @@ class LagrangianTerms:
 @functools.cache
 def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTerms) -> wp.Kernel:
     """Build the momentum and energy loop for one set of terms."""
-    real, vec, matrix = s.real, s.vec, s.mat
+    real, vec, matrix, point = s.real, s.vec, s.mat, s.point
     mirror, tensor, viscosity = make_mirror(s, terms.planes), make_tensor(s), make_viscosity(s)
     Accelerations, Powers = part_types(s)
     restoring, w = make_hourglass(s), smoothing.w
@@ -69,8 +69,8 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
     def momentum_lagrangian(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
-        X: wp.array[vec],
+        x: wp.array[point],
+        X: wp.array[point],
         v: wp.array[vec],
         m: wp.array[real],
         vol0: wp.array[real],
@@ -90,7 +90,7 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
         hourglass: real,
         viscosity_alpha: real,
         viscosity_beta: real,
-        plane: vec,
+        plane: point,
         dt: wp.array[real],
         start0: wp.array[wp.int32],
         n_neigh0: wp.array[wp.int32],
@@ -136,7 +136,7 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                 if not lagrangian and kernel_type[j] != LAGRANGIAN:
                     continue
             sign = mirror.sign(neigh0[k])
-            own = slope0[k] * (X[i] - mirror.point(X[j], sign, plane))
+            own = slope0[k] * mirror.apart(X[i], X[j], sign, plane)
             back = -own
             if wp.static(terms.corrected):
                 own -= w0[k] * G0[i]
@@ -157,7 +157,7 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                         f_y += inner[1]
                     if wp.static(dim > 2):
                         f_z += inner[2]
-            xij = xi - mirror.point(x[j], sign, plane)
+            xij = mirror.apart(xi, x[j], sign, plane)
             closing = -dot(vji, xij)
             if closing < zero:
                 mu_ij = viscosity.approach(closing, dot(xij, xij), h)
@@ -174,7 +174,7 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                 if wp.static(dim > 2):
                     visc_z += drag[2]
             if wp.static(controlled):
-                Xij = X[i] - mirror.point(X[j], sign, plane)
+                Xij = mirror.apart(X[i], X[j], sign, plane)
                 r0, r = wp.sqrt(dot(Xij, Xij)), wp.sqrt(dot(xij, xij))
                 E_i, E_j = stiffness[mat[i]], stiffness[mat[j]]
                 size = restoring(Xij, xij, F[i], mirror.tensor(F[j], sign), w(r0, h), hourglass, E_i, E_j)

@@ -34,7 +34,7 @@ def make_neighbours(
         same_body: Particles of another body are no neighbours.
         selective: Only particles of a role have a row, and eroded ones are nobody's neighbours.
     """
-    real, vec = s.real, s.vec
+    real, vec, place, point = s.real, s.vec, s.place, s.point
     mirror, dot = make_mirror(s, planes), make_tensor(s).dot
     options = ("planes" * planes, "same_body" * same_body, "selective" * selective)
     module = s.module(__name__, "_".join(filter(None, options)))
@@ -55,11 +55,11 @@ def make_neighbours(
         offset: wp.int32,
         # in:
         grid: wp.uint64,
-        x: wp.array[vec],
+        x: wp.array[point],
         body: wp.array[wp.int32],
         kernel_type: wp.array[wp.int32],
         role: wp.array[wp.int32],
-        plane: vec,
+        plane: point,
         plane_mask: wp.int32,
         radius: real,
         start: wp.array[wp.int32],
@@ -84,10 +84,10 @@ def make_neighbours(
         for mask in range(masks):
             if (mask & plane_mask) == mask:
                 xi = mirror.point(x[i], mirror.sign(mask << INDEX_BITS), plane)
-                for j in wp.hash_grid_query(grid, xi, radius):
+                for j in wp.hash_grid_query(grid, xi, place(radius)):
                     if n < room:
                         neigh[first + n] = j | (mask << INDEX_BITS)
-                    xij = xi - x[j]
+                    xij = vec(xi - x[j])
                     near = dot(xij, xij) < radius * radius and (j != i or mask > 0)
                     if wp.static(same_body or selective):
                         near = near and fits(body[i], body[j], kernel_type[j])

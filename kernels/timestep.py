@@ -41,7 +41,7 @@ def make_timestep(s: Spec, lagrangian: bool = False, contact: bool = False) -> T
         lagrangian: There are Lagrangian particles.
         contact: Bodies are in contact.
     """
-    real, vec = s.real, s.vec
+    real, vec, point = s.real, s.vec, s.point
     zero = real(0.0)
     share, acceleration = real(VISCOUS_SHARE), real(ACCELERATION_CFL)
     floor, contact_cfl = wp.float64(FLOOR), real(CONTACT_CFL)
@@ -64,7 +64,7 @@ def make_timestep(s: Spec, lagrangian: bool = False, contact: bool = False) -> T
     def local(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
+        x: wp.array[point],
         v: wp.array[vec],
         dvdt: wp.array[vec],
         rho: wp.array[real],
@@ -91,7 +91,7 @@ def make_timestep(s: Spec, lagrangian: bool = False, contact: bool = False) -> T
             i = b * chunk + k
             if i < n:
                 signal = av_switch[i] * (viscosity_alpha * cs[i] + viscosity_beta * mu[i])
-                check = rho[i] + e[i] + wp.dot(x[i], v[i])
+                check = rho[i] + e[i] + wp.dot(vec(x[i]), v[i])
                 speed = cl[i] + share * signal
                 if wp.static(lagrangian):
                     speed *= shrink[i]

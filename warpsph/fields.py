@@ -14,7 +14,7 @@ class Field:
 
     Attributes:
         name: Symbol in kernels and on the state.
-        kind: ``int`` and ``real`` have shape [n], ``vec`` [n, 3], ``mat`` [n, 3, 3], ``parts`` [n, 4].
+        kind: ``int`` and ``real`` have shape [n], ``vec`` and ``point`` (a position) [n, 3], ``mat`` [n, 3, 3], ``parts`` [n, 4].
         unit: SI unit, ``"1"`` if dimensionless.
         title: Name in snapshots and on the command line.
         meaning: One line for people.
@@ -23,7 +23,7 @@ class Field:
     """
 
     name: str
-    kind: Literal["int", "real", "vec", "mat", "parts"]
+    kind: Literal["int", "real", "vec", "point", "mat", "parts"]
     unit: str
     title: str
     meaning: str
@@ -37,7 +37,7 @@ FIELDS: tuple[Field, ...] = (
     Field("mat", "int", "1", "material", "index of the particle's material"),
     Field("kernel_type", "int", "1", "kernel_type", "0 Eulerian, 1 Total Lagrangian, 2 eroded"),
     Field("fixed", "int", "1", "fixed", "bits 1, 2, 4: velocity component x, y, z is prescribed"),
-    Field("x", "vec", "m", "position", "position"),
+    Field("x", "point", "m", "position", "position"),
     Field("v", "vec", "m/s", "velocity", "velocity"),
     Field("m", "real", "kg", "mass", "mass (per metre of thickness in 2D, per square metre in 1D)"),
     Field("rho", "real", "kg/m^3", "density", "mass density"),
@@ -74,7 +74,7 @@ FIELDS: tuple[Field, ...] = (
         "e_parts", "parts", "J/kg", "booked_energy", "turned into internal energy by viscosity, ...", False
     ),
     Field(
-        "X", "vec", "m", "reference_position", "position in the reference configuration", True, "lagrangian"
+        "X", "point", "m", "reference_position", "position in the reference configuration", True, "lagrangian"
     ),
     Field("vol0", "real", "m^dim", "reference_volume", "volume in it", False, "lagrangian"),
     Field("F", "mat", "1", "deformation_gradient", "deformation gradient dx/dX", True, "lagrangian"),

@@ -75,16 +75,16 @@ class Neighbours:
         self._selective, self._searching = selective, searching
         self.tiles = Tiles(particles, launcher, spacing, selective)
         self.support, self.radius = support, support + skin
-        self.plane = spec.vec(*(dict(planes).get(axis, 0.0) for axis in range(3)))
+        self.plane = spec.point(*(dict(planes).get(axis, 0.0) for axis in range(3)))
         self.plane_mask = sum(1 << axis for axis, _ in planes)
         self._kernels = make_neighbours(spec, bool(planes), selective=selective)
-        self._rows = Rows(n, spec.dim, spec.real, self._kernels, launcher)
+        self._rows = Rows(n, spec.dim, spec.place, self._kernels, launcher)
         with wp.ScopedDevice(launcher.device):
             self._order = wp.zeros(n, dtype=wp.int32)
             self.role = wp.zeros(n if selective else 1, dtype=wp.int32)
             self.unlisted = wp.zeros(1, dtype=wp.int32)
             self.n_near = wp.zeros(n, dtype=wp.int32)
-            self.x_listed = wp.zeros(n, dtype=spec.vec)
+            self.x_listed = wp.zeros(n, dtype=spec.point)
         self._follow_rows()
         self.builds, self.generation = 0, 0
 

@@ -12,7 +12,7 @@ from .launch import Launcher
 from .scene import SceneData
 from .state import State
 
-WIDTH = {"int": (), "real": (), "vec": (3,), "mat": (3, 3), "parts": (4,)}
+WIDTH = {"int": (), "real": (), "vec": (3,), "point": (3,), "mat": (3, 3), "parts": (4,)}
 """Shape of one entry by a field's kind."""
 
 
@@ -39,15 +39,15 @@ class Particles:
         for f in self.fields:
             values = given.get(f.name, np.zeros((self.n, *WIDTH[f.kind])))
             setattr(self, f.name, self._upload(values, f.kind))
-        self._scratch = {kind: wp.empty_like(getattr(self, name)) for kind, name in
-                         {"int": "id", "real": "m", "vec": "x", "mat": "tau", "parts": "e_parts"}.items()}  # fmt: skip
+        like = {"int": "id", "real": "m", "vec": "v", "point": "x", "mat": "tau", "parts": "e_parts"}
+        self._scratch = {kind: wp.empty_like(getattr(self, name)) for kind, name in like.items()}
 
     def _upload(self, values: np.ndarray, kind: str) -> wp.array:
         s = self.spec
         dtype = {
-            "int": wp.int32, "real": s.real, "vec": s.vec, "mat": s.mat, "parts": part_types(s).power,
+            "int": wp.int32, "real": s.real, "vec": s.vec, "point": s.point, "mat": s.mat, "parts": part_types(s).power,
         }[kind]  # fmt: skip
-        host = np.int32 if kind == "int" else wp.dtype_to_numpy(self.spec.real)
+        host = wp.dtype_to_numpy({"int": wp.int32, "point": s.place}.get(kind, s.real))
         return wp.array(np.ascontiguousarray(values, dtype=host), dtype=dtype, device=self._launcher.device)
 
     def reorder(self, order: wp.array) -> None:

@@ -61,7 +61,7 @@ class Reference:
     def build(self) -> None:
         """Find reference neighbours in the particles' present order in memory; `pairs` has to follow."""
         p, spec = self._particles, self._particles.spec
-        rows = Rows(p.n, spec.dim, spec.real, self._search, self._launcher, lasting=True)
+        rows = Rows(p.n, spec.dim, spec.place, self._search, self._launcher, lasting=True)
         rows.grid.build(p.X, self._neighbours.support)
         rows.fill(self._neighbours, p, x=p.X, radius=self._neighbours.support)
         self.start0, self.n_neigh0, self.neigh0 = rows.start, rows.n_neigh, rows.neigh

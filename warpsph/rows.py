@@ -28,7 +28,7 @@ class Rows:
         self,
         n: int,
         dim: int,
-        real: type,
+        place: type,
         kernels: NeighbourKernels,
         launcher: Launcher,
         lasting: bool = False,
@@ -38,14 +38,14 @@ class Rows:
         Args:
             n: Number of particles.
             dim: Space dimension.
-            real: Scalar type.
+            place: Scalar type of positions.
             kernels: The search.
             launcher: The device.
             lasting: The rows are filled once: they get no room to grow.
         """
         self._n, self._kernels, self._launcher, self._lasting = n, kernels, launcher, lasting
         with wp.ScopedDevice(launcher.device):
-            self.grid = wp.HashGrid(*CELLS[dim], dtype=real)
+            self.grid = wp.HashGrid(*CELLS[dim], dtype=place)
             self._room = wp.zeros(n + 1, dtype=wp.int32)  # the last stays 0: the scan ends in the total
             self._overflow = wp.zeros(1, dtype=wp.int32)
             self.start = wp.zeros(n + 1, dtype=wp.int32)

@@ -37,8 +37,12 @@ from .state import State
 MAX_BATCH = 32
 """Steps between two readings of the device's clock, at most: the documented synchronisation interval."""
 
-PRECISIONS = {"float32": wp.float32, "float64": wp.float64}
-"""Scalar types by name."""
+PRECISIONS = {
+    "float32": (wp.float32, wp.float32),
+    "float64": (wp.float64, wp.float64),
+    "mixed": (wp.float32, wp.float64),
+}
+"""Scalar types, and those of positions, by name."""
 
 
 class Solver:
@@ -64,7 +68,7 @@ class Solver:
             raise InputError(f"precision {precision!r} is unknown; allowed: {', '.join(PRECISIONS)}")
         self.data, self.precision = data, precision
         self.launcher = Launcher(device, threads)
-        self._spec = Spec(data.dim, PRECISIONS[precision])
+        self._spec = Spec(data.dim, *PRECISIONS[precision])
         h = data.h
         self._scheme = make_scheme(data, self._spec)
         self.particles = Particles(data, self._spec, self.launcher, self._scheme.groups)

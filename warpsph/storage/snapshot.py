@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 FORM, VERSION = "warpsph snapshot", 1
 """Name and version of the format; the version rises when old readers would fail."""
 
-COMPONENTS = {"int": (), "real": (), "vec": (3,), "mat": (9,)}
+COMPONENTS = {"int": (), "real": (), "vec": (3,), "point": (3,), "mat": (9,)}
 """Shape of one particle's entry in the file."""
 
 
