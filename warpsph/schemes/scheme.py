@@ -90,7 +90,7 @@ class Scheme(ABC):
         """
         s, corrected = self._spec, n if self._corrected else 1
         parted, types = n if self._parts else 1, part_types(self._spec)
-        unused = {"X": s.vec, "F": s.mat, "vol0": s.real, "ripe": wp.int32, "fate": wp.int32}
+        unused = {"X": s.point, "F": s.mat, "vol0": s.real, "ripe": wp.int32, "fate": wp.int32}
         unused |= {"shrink": s.real, "contact_rate": s.real}
         return {name: wp.zeros(1, dtype=dtype) for name, dtype in unused.items()} | {
             "dedt": wp.zeros(n, dtype=s.real),
