@@ -106,7 +106,7 @@ class Launcher:
         """Bind a launch, taking each argument by its name.
 
         A kernel has many arrays of one type in a row, and Warp cannot tell ``rho`` from ``m``. It checks
-        neither structs nor the precision of a hash grid at all; both are checked here.
+        neither structs nor the precision of a hash grid, which is that of positions; both are checked here.
 
         Args:
             kernel: Kernel to launch; its first parameter is ``offset``.
