@@ -17,7 +17,7 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
     real, vec, matrix = s.real, s.vec, s.mat
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    dot, product = tensor.dot, tensor.product
+    dot, act = tensor.dot, tensor.act
     zero, half = real(0.0), real(0.5)
     dim, on = s.dim, wp.constant(int(corrected))
     options = (smoothing.name, f"order{order}", "corrected" * corrected, "planes" * planes)
@@ -32,7 +32,7 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
         rho: wp.array[real],
         vol: wp.array[real],
         p: wp.array[real],
-        tau: wp.array[matrix],
+        tau: wp.array[s.sym],
         K: wp.array[matrix],
         G: wp.array[vec],
         h: real,
@@ -85,13 +85,13 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
                 if wp.static(corrected):
                     w_ij = w(r, h)
                 g_ij = of_pair(xij, dw, w_ij, K[own], G[own], h, gradient_ratio)
-                tau_j = mirror.tensor(tau[j], sign)
-                f = product(tau_i + tau_j, g_ij)
+                tau_j = mirror.symmetric(tau[j], sign)
+                f = act(tau_i + tau_j, g_ij)
                 if wp.static(corrected):
                     other = j * on
                     K_j, G_j = mirror.tensor(K[other], sign), mirror.vector(G[other], sign)
                     g_ji = of_pair(-xij, dw, w_ij, K_j, G_j, h, gradient_ratio)
-                    f = product(tau_i, g_ij) - product(tau_j, g_ji)
+                    f = act(tau_i, g_ij) - act(tau_j, g_ji)
                 f *= vol[j]
                 power += half * dot(f, mirror.vector(v[j], sign) - vi)
                 f_x += f[0]

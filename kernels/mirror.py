@@ -23,12 +23,13 @@ class Mirror(NamedTuple):
     point: wp.Function
     vector: wp.Function
     tensor: wp.Function
+    symmetric: wp.Function
 
 
 @functools.cache
 def make_mirror(s: Spec, planes: bool) -> Mirror:
     """Build the functions; without ``planes`` they hand their argument through."""
-    real, vec, mat = s.real, s.vec, s.mat
+    real, vec, mat, sym = s.real, s.vec, s.mat, s.sym
     low = wp.constant((1 << INDEX_BITS) - 1)
 
     @wp.func
@@ -54,6 +55,10 @@ def make_mirror(s: Spec, planes: bool) -> Mirror:
         def tensor(T: mat, s: vec):
             return T
 
+        @wp.func
+        def symmetric(S: sym, s: vec):
+            return S
+
     else:
 
         @wp.func
@@ -78,4 +83,8 @@ def make_mirror(s: Spec, planes: bool) -> Mirror:
         def tensor(T: mat, s: vec):
             return wp.cw_mul(T, wp.outer(s, s))
 
-    return Mirror(index, sign, point, vector, tensor)
+        @wp.func
+        def symmetric(S: sym, s: vec):
+            return sym(S[0], S[1], S[2], s[0] * s[1] * S[3], s[1] * s[2] * S[4], s[0] * s[2] * S[5])
+
+    return Mirror(index, sign, point, vector, tensor, symmetric)

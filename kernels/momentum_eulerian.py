@@ -48,7 +48,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
     viscosity, terms_of = make_viscosity(s), make_coupling(s, terms.coupling)
     Accelerations, Powers = part_types(s)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    dot, product = tensor.dot, tensor.product
+    dot, act = tensor.dot, tensor.act
     switched, stressed = terms.switched, terms.artificial_stress
     half = real(0.5)
     dim, on, coupled = s.dim, wp.constant(int(terms.corrected)), bool(terms.coupling.form)
@@ -65,11 +65,11 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         rho: wp.array[real],
         vol: wp.array[real],
         cs: wp.array[real],
-        sig: wp.array[mat],
+        sig: wp.array[s.sym],
         body: wp.array[wp.int32],
         kernel_type: wp.array[wp.int32],
         av_switch: wp.array[real],
-        R: wp.array[mat],
+        R: wp.array[s.sym],
         K: wp.array[mat],
         G: wp.array[vec],
         h: real,
@@ -154,8 +154,8 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                     g_mean = half * (g_ji - g_ij)
                 pair_mass = m[j] * areal_i
                 if (bits & wp.static(FORCE)) != 0:
-                    inner = product(sig_i, g_ij)
-                    stress = vol[j] * (inner - product(mirror.tensor(sig[j], sign), g_ji))
+                    inner = act(sig_i, g_ij)
+                    stress = vol[j] * (inner - act(mirror.symmetric(sig[j], sign), g_ji))
                     power += vol[j] * dot(vji, inner)
                     f_x += stress[0]
                     if wp.static(dim > 1):
@@ -183,11 +183,11 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                         if wp.static(dim > 2):
                             visc_z += drag[2]
                 if wp.static(stressed):
-                    R_ij = R[i] + mirror.tensor(R[j], sign)
+                    R_ij = R[i] + mirror.symmetric(R[j], sign)
                     # zero, unless one of the two is in tension
-                    if (bits & wp.static(ARTIFICIAL_STRESS)) != 0 and wp.trace(R_ij) < real(0.0):
+                    if (bits & wp.static(ARTIFICIAL_STRESS)) != 0 and tensor.trace(R_ij) < real(0.0):
                         f = w(r, h) * w_spacing
-                        push = (-pair_mass * (f * f * f * f)) * product(R_ij, g_mean)
+                        push = (-pair_mass * (f * f * f * f)) * act(R_ij, g_mean)
                         art_power += dot(vji, push)
                         art_x += push[0]
                         if wp.static(dim > 1):

@@ -11,7 +11,7 @@ from .spec import Spec
 @functools.cache
 def make_sort(s: Spec) -> dict[type, wp.Kernel]:
     """Build one gather kernel per element type of the state."""
-    return {dtype: _gather(s, dtype) for dtype in (wp.int32, s.real, s.vec, s.mat, part_types(s).power)}
+    return {dtype: _gather(s, dtype) for dtype in (wp.int32, s.real, s.vec, s.mat, s.sym, part_types(s).power)}
 
 
 def _gather(s: Spec, element: type) -> wp.Kernel:

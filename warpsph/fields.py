@@ -7,6 +7,8 @@ user sees in snapshots, on the command line and in pictures.
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 
 @dataclass(frozen=True)
 class Field:
@@ -14,7 +16,8 @@ class Field:
 
     Attributes:
         name: Symbol in kernels and on the state.
-        kind: ``int`` and ``real`` have shape [n], ``vec`` [n, 3], ``mat`` [n, 3, 3], ``parts`` [n, 4].
+        kind: ``int`` and ``real`` have shape [n], ``vec`` [n, 3], ``mat`` [n, 3, 3], ``parts`` [n, 4];
+            ``sym``, a symmetric tensor, [n, 6] on the device (`kernels.spec.Spec.sym`) and [n, 3, 3] on the state.
         unit: SI unit, ``"1"`` if dimensionless.
         title: Name in snapshots and on the command line.
         meaning: One line for people.
@@ -23,7 +26,7 @@ class Field:
     """
 
     name: str
-    kind: Literal["int", "real", "vec", "mat", "parts"]
+    kind: Literal["int", "real", "vec", "mat", "sym", "parts"]
     unit: str
     title: str
     meaning: str
@@ -46,10 +49,10 @@ FIELDS: tuple[Field, ...] = (
     Field("p", "real", "Pa", "pressure", "pressure, positive in compression"),
     Field("cs", "real", "m/s", "sound_speed", "bulk sound speed of the equation of state", False),
     Field("cl", "real", "m/s", "longitudinal_speed", "longitudinal wave speed sqrt(c^2 + 4G/(3 rho))", False),
-    Field("tau", "mat", "Pa", "deviatoric_stress", "deviator of the Cauchy stress"),
+    Field("tau", "sym", "Pa", "deviatoric_stress", "deviator of the Cauchy stress"),
     Field(
         "sig",
-        "mat",
+        "sym",
         "Pa",
         "stress",
         "Cauchy stress, tension positive (times the thickness in plane stress)",
@@ -95,6 +98,15 @@ FIELDS: tuple[Field, ...] = (
 
 BY_NAME = {f.name: f for f in FIELDS}
 """The table by symbol."""
+
+
+SYMMETRIC = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
+"""Where the nine components of a symmetric tensor are among its six numbers xx, yy, zz, xy, yz, xz."""
+
+
+def whole(values: np.ndarray, kind: str) -> np.ndarray:
+    """A device array as the state gives it: symmetric tensors [n, 6] become [n, 3, 3]."""
+    return values[:, SYMMETRIC] if kind == "sym" else values
 
 
 def of_groups(groups: frozenset[str]) -> tuple[Field, ...]:

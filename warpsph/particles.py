@@ -3,7 +3,7 @@
 import numpy as np
 import warp as wp
 
-from .fields import of_groups
+from .fields import of_groups, whole
 from .kernels.kernel_type import EULERIAN, LAGRANGIAN
 from .kernels.parts import part_types
 from .kernels.sort import make_sort
@@ -12,7 +12,7 @@ from .launch import Launcher
 from .scene import SceneData
 from .state import State
 
-WIDTH = {"int": (), "real": (), "vec": (3,), "mat": (3, 3), "parts": (4,)}
+WIDTH = {"int": (), "real": (), "vec": (3,), "mat": (3, 3), "sym": (6,), "parts": (4,)}
 """Shape of one entry by a field's kind."""
 
 
@@ -40,12 +40,12 @@ class Particles:
             values = given.get(f.name, np.zeros((self.n, *WIDTH[f.kind])))
             setattr(self, f.name, self._upload(values, f.kind))
         self._scratch = {kind: wp.empty_like(getattr(self, name)) for kind, name in
-                         {"int": "id", "real": "m", "vec": "x", "mat": "tau", "parts": "e_parts"}.items()}  # fmt: skip
+                         {"int": "id", "real": "m", "vec": "x", "mat": "dvdx", "sym": "tau", "parts": "e_parts"}.items()}  # fmt: skip
 
     def _upload(self, values: np.ndarray, kind: str) -> wp.array:
         s = self.spec
         dtype = {
-            "int": wp.int32, "real": s.real, "vec": s.vec, "mat": s.mat, "parts": part_types(s).power,
+            "int": wp.int32, "real": s.real, "vec": s.vec, "mat": s.mat, "sym": s.sym, "parts": part_types(s).power,
         }[kind]  # fmt: skip
         host = np.int32 if kind == "int" else wp.dtype_to_numpy(self.spec.real)
         return wp.array(np.ascontiguousarray(values, dtype=host), dtype=dtype, device=self._launcher.device)
@@ -72,7 +72,8 @@ class Particles:
     def state(self, time: float, step: int) -> State:
         """Copy the output fields to the host, in id order."""
         data, order = self._data, np.argsort(self.id.numpy())
-        fields = {f.name: getattr(self, f.name).numpy()[order] for f in self.fields if f.output}
+        shown = [f for f in self.fields if f.output]
+        fields = {f.name: whole(getattr(self, f.name).numpy()[order], f.kind) for f in shown}
         return State(
             time=time, step=step, dim=data.dim, spacing=data.spacing, h=data.h, scene=data.name,
             bodies=list(data.bodies), materials=[m.name for m in data.materials], fields=fields,

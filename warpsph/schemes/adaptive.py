@@ -42,7 +42,7 @@ class Adaptive(Lagrangian):
     def arrays(self, n: int) -> dict[str, wp.array]:
         """Add the artificial stress R."""
         stressed = n if self._artificial_stress else 1
-        return super().arrays(n) | {"R": wp.zeros(stressed, dtype=self._spec.mat)}
+        return super().arrays(n) | {"R": wp.zeros(stressed, dtype=self._spec.sym)}
 
     def derive(self, bind: Bind) -> list[Command]:
         """R from σ besides."""
