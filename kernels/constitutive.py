@@ -169,7 +169,10 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool, lagrangian: bool
             if kernel_type[i] == ERODED:
                 return
             if kernel_type[i] == LAGRANGIAN and fate[i] != wp.static(INVERTED):
-                rho_next = m[i] / (vol0[i] * wp.determinant(F[i]) * thickness[i])
+                vol_next = vol0[i] * wp.determinant(F[i])
+                if wp.static(plane_stress):
+                    vol_next *= thickness[i]
+                rho_next = m[i] / vol_next
         rho_i, tau_i, d_ep, p_i, c_i, out, D_i, L_zz = update(
             row, dvdx[i], dt[0], rho_next, e[i], tensor.unpack(tau[i]), ep[i], T[i], D[i], cs[i]
         )

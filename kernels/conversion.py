@@ -55,8 +55,8 @@ class ConversionKernels(NamedTuple):
 
 
 @functools.cache
-def make_conversion(s: Spec, criteria: Criteria, planes: bool) -> ConversionKernels:
-    """Build the kernels for one set of criteria."""
+def make_conversion(s: Spec, criteria: Criteria, planes: bool, sheet: bool = False) -> ConversionKernels:
+    """Build the kernels for one set of criteria; ``sheet``: plane stress, where the thickness changes."""
     real, vec, matrix = s.real, s.vec, s.mat
     mirror, tensor = make_mirror(s, planes), make_tensor(s)
     dot, unpack = tensor.dot, tensor.unpack
@@ -64,7 +64,7 @@ def make_conversion(s: Spec, criteria: Criteria, planes: bool) -> ConversionKern
     measured = criteria.measure not in ("", "plastic")
     strain = make_strain(s, criteria.measure if measured else "logarithmic")
     own = criteria.criterion(s) if criteria.criterion is not None else None
-    module = s.module(__name__, "_".join(filter(None, (criteria.tag, "planes" * planes))))
+    module = s.module(__name__, "_".join(filter(None, (criteria.tag, "planes" * planes, "sheet" * sheet))))
 
     @wp.func
     def strained(F: matrix, thickness: real, ep: real, limit: real):
@@ -140,8 +140,11 @@ def make_conversion(s: Spec, criteria: Criteria, planes: bool) -> ConversionKern
                 verdict = 0
         share = zero
         if lagrangian:
+            across = one
+            if wp.static(sheet):
+                across = thickness[i]
             share = wp.max(
-                strained(F[i], thickness[i], ep[i], strain_limit),
+                strained(F[i], across, ep[i], strain_limit),
                 asked(F[i], unpack(tau[i]), p[i], ep[i], D[i], T[i]),
             )
             if share >= one:

@@ -8,7 +8,8 @@ import warp as wp
 from .correction import make_gradient
 from .coupling import ARTIFICIAL_STRESS, FORCE, KINEMATICS, PURE, Coupling, make_coupling
 from .mirror import make_mirror
-from .parts import ARTIFICIAL, VISCOUS, part_types
+from .parts import ARTIFICIAL, VISCOUS, Parts, part_types
+from .parts import tag as tag_of
 from .smoothing import Smoothing
 from .spec import Spec
 from .tensor import make_tensor
@@ -25,6 +26,8 @@ class PairTerms:
         artificial_stress: Gray et al.'s term.
         planes: Neighbour entries may be mirror images.
         coupling: What pairs of two kernel types, or of two bodies, share.
+        kept: The pairs within the support are left behind for the loops that follow.
+        parts: Parts of the forces that the run keeps apart.
     """
 
     corrected: bool
@@ -32,12 +35,14 @@ class PairTerms:
     artificial_stress: bool
     planes: bool
     coupling: Coupling = PURE
+    kept: bool = False
+    parts: Parts = (VISCOUS,)
 
     @property
     def tag(self) -> str:
         """Short name of the combination."""
         flags = [name for name, on in vars(self).items() if on is True]
-        return "_".join(filter(None, [*flags, self.coupling.tag]))
+        return "_".join(filter(None, [*flags, self.coupling.tag, tag_of(self.parts)]))
 
 
 @functools.cache
@@ -46,10 +51,11 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
     real, vec, mat = s.real, s.vec, s.mat
     mirror, tensor, of_pair = make_mirror(s, terms.planes), make_tensor(s), make_gradient(s, terms.corrected)
     viscosity, terms_of = make_viscosity(s), make_coupling(s, terms.coupling)
-    Accelerations, Powers = part_types(s)
+    Accelerations, Powers = part_types(s, len(terms.parts))
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     dot, act = tensor.dot, tensor.act
-    switched, stressed = terms.switched, terms.artificial_stress
+    switched, stressed, kept = terms.switched, terms.artificial_stress, terms.kept
+    viscous, artificial = (terms.parts.index(p) if p in terms.parts else 0 for p in (VISCOUS, ARTIFICIAL))
     half = real(0.5)
     dim, on, coupled = s.dim, wp.constant(int(terms.corrected)), bool(terms.coupling.form)
     shared = bool(terms.coupling.tag)  # a pair may lack some of the terms
@@ -96,7 +102,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
 
         f_ab = V_a V_b (σ_a g_ab - σ_b g_ba) + m_a m_b/2 (Π_ab - f^4 R_ab)(g_ba - g_ab); mu = largest |mu_ab| [m/s].
         What viscosity and artificial stress contribute is kept in part_a and part_power. The pairs within the support,
-        and their (dW/dr)/r, are left behind for the velocity gradient.
+        and their (dW/dr)/r, are left behind for the velocity gradient where that is asked for.
         """
         i = wp.tid() + offset
         if dt[0] == real(0.0):
@@ -130,10 +136,11 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                         continue
                 r = wp.sqrt(r2)
                 dw = dw_r(r, h)
-                if (bits & wp.static(KINEMATICS)) != 0:
-                    near[first + found] = neigh[k]
-                    slope[first + found] = dw
-                    found += 1
+                if wp.static(kept):
+                    if (bits & wp.static(KINEMATICS)) != 0:
+                        near[first + found] = neigh[k]
+                        slope[first + found] = dw
+                        found += 1
                 w_ij = real(0.0)
                 if wp.static(terms.corrected):
                     w_ij = w(r, h)
@@ -198,13 +205,15 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         dvdt[i] = per_mass * vec(f_x + visc_x + art_x, f_y + visc_y + art_y, f_z + visc_z + art_z)
         dedt[i] = per_mass * (power + half * (visc_power + art_power))
         a, powers = Accelerations(), Powers()
-        powers[wp.static(VISCOUS)] = per_mass * half * visc_power
-        powers[wp.static(ARTIFICIAL)] = per_mass * half * art_power
-        a[wp.static(VISCOUS)] = per_mass * vec(visc_x, visc_y, visc_z)
-        a[wp.static(ARTIFICIAL)] = per_mass * vec(art_x, art_y, art_z)
+        powers[wp.static(viscous)] = per_mass * half * visc_power
+        a[wp.static(viscous)] = per_mass * vec(visc_x, visc_y, visc_z)
+        if wp.static(stressed):
+            powers[wp.static(artificial)] = per_mass * half * art_power
+            a[wp.static(artificial)] = per_mass * vec(art_x, art_y, art_z)
         part_a[i] = a
         part_power[i] = powers
         mu[i] = mu_max
-        n_near[i] = found
+        if wp.static(kept):
+            n_near[i] = found
 
     return momentum

@@ -4,14 +4,15 @@ import functools
 
 import warp as wp
 
-from .parts import part_types
+from .parts import PARTS, part_types
 from .spec import Spec
 
 
 @functools.cache
 def make_sort(s: Spec) -> dict[type, wp.Kernel]:
     """Build one gather kernel per element type of the state."""
-    return {dtype: _gather(s, dtype) for dtype in (wp.int32, s.real, s.vec, s.mat, s.sym, part_types(s).power)}
+    parts = (part_types(s, count + 1).power for count in range(len(PARTS)))
+    return {dtype: _gather(s, dtype) for dtype in (wp.int32, s.real, s.vec, s.mat, s.sym, *parts)}
 
 
 def _gather(s: Spec, element: type) -> wp.Kernel:
