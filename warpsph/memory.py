@@ -30,7 +30,7 @@ class Policy:
 GENEROUS = Policy(kept=True, divisor=2, spare=16, growth=1.2)
 """On a CPU, where memory is plentiful and a second search dear."""
 
-THRIFTY = Policy(kept=False, divisor=32, spare=2, growth=1.02)
+THRIFTY = Policy(kept=False, divisor=16, spare=2, growth=1.03)
 """On a GPU, where memory bounds the number of particles."""
 
 
