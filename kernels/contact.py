@@ -7,7 +7,7 @@ import warp as wp
 
 from .kernel_type import ERODED
 from .mirror import make_mirror
-from .parts import CONTACT, part_types
+from .parts import CONTACT, Parts, part_types, tag
 from .smoothing import Smoothing
 from .spec import Spec
 from .tensor import make_tensor
@@ -23,16 +23,26 @@ class ContactKernels(NamedTuple):
 
 
 @functools.cache
-def make_contact(s: Spec, smoothing: Smoothing, planes: bool) -> ContactKernels:
-    """Build the pair loop over particles of other bodies; ``planes``: neighbour entries may be mirror images."""
+def make_contact(s: Spec, smoothing: Smoothing, planes: bool, parts: Parts = (CONTACT,)) -> ContactKernels:
+    """Build the pair loop over particles of other bodies.
+
+    Args:
+        s: Specialisation.
+        smoothing: Smoothing kernel.
+        planes: Neighbour entries may be mirror images.
+        parts: Parts of the forces that the run keeps apart.
+    """
     real, vec, point = s.real, s.vec, s.point
-    Accelerations, Powers = part_types(s)
+    Accelerations, Powers = part_types(s, len(parts))
+    row = parts.index(CONTACT)
     mirror, dot = make_mirror(s, planes), make_tensor(s).dot
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     zero, half, three, four = real(0.0), real(0.5), real(3.0), real(4.0)
     centre, dim = real(CENTRE), s.dim
 
-    @wp.kernel(module=s.module(__name__, "_".join(filter(None, (smoothing.name, "planes" * planes)))))
+    @wp.kernel(
+        module=s.module(__name__, "_".join(filter(None, (smoothing.name, "planes" * planes, tag(parts)))))
+    )
     def contact(
         offset: wp.int32,
         # in:
@@ -108,8 +118,8 @@ def make_contact(s: Spec, smoothing: Smoothing, planes: bool) -> ContactKernels:
             dvdt[i] = dvdt[i] + dv
             dedt[i] = dedt[i] + de
             a, powers = Accelerations(part_a[i]), Powers(part_power[i])
-            a[wp.static(CONTACT)] = dv
-            powers[wp.static(CONTACT)] = de
+            a[wp.static(row)] = dv
+            powers[wp.static(row)] = de
             part_a[i] = a
             part_power[i] = powers
             cover[i] = wp.max(cover[i], share)

@@ -8,6 +8,7 @@ import warp as wp
 from .kernel_type import LAGRANGIAN
 from .mirror import make_mirror
 from .spec import Spec
+from .tensor import make_tensor
 
 SMALLEST_J = 0.01
 """A deformation gradient of a smaller determinant is none: matter is not compressed a hundredfold, it has turned over."""
@@ -34,7 +35,7 @@ class DeformationKernels(NamedTuple):
 def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKernels:
     """Build the kernels for one specialisation; ``corrected``: gradients are, in the reference configuration."""
     real, vec, mat, point, dim = s.real, s.vec, s.mat, s.point, s.dim
-    mirror = make_mirror(s, planes)
+    mirror, unpack = make_mirror(s, planes), make_tensor(s).unpack
     half, zero, one, smallest = real(0.5), real(0.0), real(1.0), real(SMALLEST_J)
     mismatch, contraction2 = real(LARGEST_MISMATCH), real(LARGEST_CONTRACTION**2)
     module = s.module(__name__, "_".join(filter(None, ("corrected" * corrected, "planes" * planes))))
@@ -153,7 +154,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         offset: wp.int32,
         # in:
         F: wp.array[mat],
-        sig: wp.array[mat],
+        sig: wp.array[s.sym],
         K0: wp.array[mat],
         kernel_type: wp.array[wp.int32],
         interface: wp.array[wp.int32],
@@ -180,7 +181,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         if wp.static(corrected):
             cofactor = cofactor * K0[i]
         cof[i] = cofactor
-        P[i] = sig[i] * cofactor
+        P[i] = unpack(sig[i]) * cofactor
         C = inverse * wp.transpose(inverse)
         widest = real(0.0)
         for c in range(3):

@@ -12,15 +12,17 @@ from .tensor import make_tensor
 
 
 @functools.cache
-def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, planes: bool) -> wp.Kernel:
-    """Build the loop; for second order it also leaves the slopes of pressure and density."""
+def make_deviatoric(
+    s: Spec, smoothing: Smoothing, order: int, corrected: bool, planes: bool, kept: bool = False
+) -> wp.Kernel:
+    """Build the loop; for second order it also leaves the slopes of pressure and density, and if asked the pairs."""
     real, vec, matrix, point = s.real, s.vec, s.mat, s.point
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    dot, product = tensor.dot, tensor.product
+    dot, act = tensor.dot, tensor.act
     zero, half = real(0.0), real(0.5)
     dim, on = s.dim, wp.constant(int(corrected))
-    options = (smoothing.name, f"order{order}", "corrected" * corrected, "planes" * planes)
+    options = (smoothing.name, f"order{order}", "corrected" * corrected, "planes" * planes, "kept" * kept)
 
     @wp.kernel(module=s.module(__name__, "_".join(filter(None, options))))
     def deviatoric(
@@ -32,7 +34,7 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
         rho: wp.array[real],
         vol: wp.array[real],
         p: wp.array[real],
-        tau: wp.array[matrix],
+        tau: wp.array[s.sym],
         K: wp.array[matrix],
         G: wp.array[vec],
         h: real,
@@ -55,7 +57,7 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
         """dvdt = Σ f_ab/m_a [m/s²], dedt = Σ f_ab·(v_b - v_a)/(2 m_a) [W/kg], f_ab = V_a V_b (τ_a g_ab - τ_b g_ba).
 
         Section 10, stage 1 (Connolly et al. 2013, Eqs. 21 and 32). grad Q = Σ V_b (Q_b - Q_a) g_ab of p [Pa/m] and
-        ρ [kg/m⁴]; v_start = v. The pairs within the support, and their (dW/dr)/r, are left behind for the other loops.
+        ρ [kg/m⁴]; v_start = v. The pairs within the support, and their (dW/dr)/r, are left behind for the other loops where that is asked for.
         """
         i = wp.tid() + offset
         if dt[0] == zero:
@@ -78,20 +80,21 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
             if r2 < r_max2:
                 r = wp.sqrt(r2)
                 dw = dw_r(r, h)
-                near[first + found] = neigh[k]
-                slope[first + found] = dw
-                found += 1
+                if wp.static(kept):
+                    near[first + found] = neigh[k]
+                    slope[first + found] = dw
+                    found += 1
                 w_ij = real(0.0)
                 if wp.static(corrected):
                     w_ij = w(r, h)
                 g_ij = of_pair(xij, dw, w_ij, K[own], G[own], h, gradient_ratio)
-                tau_j = mirror.tensor(tau[j], sign)
-                f = product(tau_i + tau_j, g_ij)
+                tau_j = mirror.symmetric(tau[j], sign)
+                f = act(tau_i + tau_j, g_ij)
                 if wp.static(corrected):
                     other = j * on
                     K_j, G_j = mirror.tensor(K[other], sign), mirror.vector(G[other], sign)
                     g_ji = of_pair(-xij, dw, w_ij, K_j, G_j, h, gradient_ratio)
-                    f = product(tau_i, g_ij) - product(tau_j, g_ji)
+                    f = act(tau_i, g_ij) - act(tau_j, g_ji)
                 f *= vol[j]
                 power += half * dot(f, mirror.vector(v[j], sign) - vi)
                 f_x += f[0]
@@ -113,7 +116,8 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
         dvdt[i] = per_mass * vec(f_x, f_y, f_z)
         dedt[i] = per_mass * power
         v_start[i] = vi
-        n_near[i] = found
+        if wp.static(kept):
+            n_near[i] = found
         if wp.static(order == 2):
             grad_p[i] = vec(p_x, p_y, p_z)
             grad_rho[i] = vec(rho_x, rho_y, rho_z)

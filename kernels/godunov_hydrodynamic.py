@@ -42,19 +42,19 @@ class Reconstruction:
 
 @functools.cache
 def make_hydrodynamic(
-    s: Spec, smoothing: Smoothing, states: Reconstruction, corrected: bool, planes: bool
+    s: Spec, smoothing: Smoothing, states: Reconstruction, corrected: bool, planes: bool, kept: bool = False
 ) -> wp.Kernel:
-    """Build the loop."""
+    """Build the loop; ``kept``: the first stage has left behind the pairs within the support, with their (dW/dr)/r."""
     real, vec, matrix, point = s.real, s.vec, s.mat, s.point
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     side, interface = make_interface(s, states.riemann)
     Material = make_material(s)
     limited = make_limiter(s, states.limiter, states.jump)
-    w = smoothing.w
+    w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     dot, quadratic = tensor.dot, tensor.quadratic
     zero, half, one, two = real(0.0), real(0.5), real(1.0), real(2.0)
     dim, on, second, fragile = s.dim, wp.constant(int(corrected)), states.order == 2, states.fragile
-    options = (smoothing.name, states.tag, "corrected" * corrected, "planes" * planes)
+    options = (smoothing.name, states.tag, "corrected" * corrected, "planes" * planes, "kept" * kept)
 
     @wp.func
     def of_volume(u_over: real, dilation: real):
@@ -131,8 +131,16 @@ def make_hydrodynamic(
             j = mirror.index(near[k])
             sign = mirror.sign(near[k])
             xij = mirror.apart(xi, x[j], sign, plane)
+            r2 = dot(xij, xij)
+            r = wp.sqrt(r2)
+            dw = real(0.0)
+            if wp.static(kept):
+                dw = slope[k]
+            else:
+                if r2 >= support * support * h * h:
+                    continue
+                dw = dw_r(r, h)
             vj = mirror.vector(v_start[j], sign)
-            r = wp.sqrt(dot(xij, xij))
             per_r = one / r
             e = per_r * xij
             u_i, u_j = dot(vi, e), dot(vj, e)
@@ -174,10 +182,10 @@ def make_hydrodynamic(
             flux = -two * vol[j] * p_star
             if wp.static(corrected):
                 w_ij = w(r, h)
-                g_ij = of_pair(xij, slope[k], w_ij, K[own], G[own], h, gradient_ratio)
+                g_ij = of_pair(xij, dw, w_ij, K[own], G[own], h, gradient_ratio)
                 other = j * on
                 K_j, G_j = mirror.tensor(K[other], sign), mirror.vector(G[other], sign)
-                q = half * (g_ij - of_pair(-xij, slope[k], w_ij, K_j, G_j, h, gradient_ratio))
+                q = half * (g_ij - of_pair(-xij, dw, w_ij, K_j, G_j, h, gradient_ratio))
                 dv = half * (vj - vi) + (u_star - half * (u_i + u_j)) * e
                 kicked_j = mirror.vector(v[j], sign)
                 dv_kicked = half * (kicked_j - kicked_i) + (u_star - half * dot(kicked_i + kicked_j, e)) * e
@@ -188,10 +196,10 @@ def make_hydrodynamic(
                 f_y += f[1]
                 f_z += f[2]
             else:
-                dw = slope[k] * r
-                rate += two * vol[j] * (u_star - u_i) * dw
-                power += flux * (u_star - dot(kicked_i, e)) * dw
-                f = (flux * slope[k]) * xij
+                gradient = dw * r
+                rate += two * vol[j] * (u_star - u_i) * gradient
+                power += flux * (u_star - dot(kicked_i, e)) * gradient
+                f = (flux * dw) * xij
                 f_x += f[0]
                 if wp.static(dim > 1):
                     f_y += f[1]

@@ -23,7 +23,7 @@ def make_godunov_pm(
     side, interface = make_interface(s, riemann)
     Material = make_material(s)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    dot, product = tensor.dot, tensor.product
+    dot, act = tensor.dot, tensor.act
     zero, half, one, two = real(0.0), real(0.5), real(1.0), real(2.0)
     shear_share = real(0.75)
     dim, on = s.dim, wp.constant(int(corrected))
@@ -46,7 +46,7 @@ def make_godunov_pm(
         vol: wp.array[real],
         cs: wp.array[real],
         cl: wp.array[real],
-        sig: wp.array[matrix],
+        sig: wp.array[s.sym],
         D: wp.array[real],
         mat: wp.array[wp.int32],
         materials: wp.array[Material],
@@ -109,7 +109,7 @@ def make_godunov_pm(
                     K_j, G_j = mirror.tensor(K[other], sign), mirror.vector(G[other], sign)
                     slope = half * (slope - dot(e, of_pair(-xij, dw, w_ij, K_j, G_j, h, gradient_ratio)))
                 vj = mirror.vector(v[j], sign)
-                t_i, t_j = product(sig_i, e), product(mirror.tensor(sig[j], sign), e)
+                t_i, t_j = act(sig_i, e), act(mirror.symmetric(sig[j], sign), e)
                 u_i, u_j, p_i, p_j = dot(vi, e), dot(vj, e), -dot(t_i, e), -dot(t_j, e)
                 mu_max = wp.max(mu_max, u_j - u_i)
                 left = side(u_j, p_j, rho[j], cl[j], materials[mat[j]].A_shock)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import warp as wp
 
-from .parts import part_types
+from .parts import Parts, part_types, tag
 from .spec import Spec
 
 TINY_SPEED = {wp.float32: 1.0e-15, wp.float64: 1.0e-100}
@@ -22,18 +22,22 @@ class IntegrateKernels(NamedTuple):
 
 
 @functools.cache
-def make_integrate(s: Spec, exact_energy: bool = True, parts: bool = False) -> IntegrateKernels:
+def make_integrate(
+    s: Spec, exact_energy: bool = True, parts: Parts = (), constrained: bool = True
+) -> IntegrateKernels:
     """Build the kernels for one specialisation.
 
     Args:
         s: Specialisation.
         exact_energy: Section 11's centring of the velocity in the energy.
-        parts: The parts of the forces are booked one by one.
+        parts: Parts of the forces, booked one by one.
+        constrained: Some particle is fixed or driven.
     """
     real, vec, place, point = s.real, s.vec, s.place, s.point
     half, zero, tiny = real(0.5), real(0.0), real(TINY_SPEED[s.real])
-    Accelerations, Powers = part_types(s)
-    module = s.module(__name__, "_".join(filter(None, ("explicit" * (not exact_energy), "parts" * parts))))
+    Accelerations, Powers = part_types(s, len(parts))
+    options = ("explicit" * (not exact_energy), tag(parts), "constrained" * constrained)
+    module = s.module(__name__, "_".join(filter(None, options)))
 
     @wp.func
     def flushed(v: vec, e: real):
@@ -76,20 +80,21 @@ def make_integrate(s: Spec, exact_energy: bool = True, parts: bool = False) -> I
             return
         free = dt[0] * dvdt[i]
         dv = free
-        bits = fixed[i]
-        if bits > 0:
-            for c in range(3):
-                if (bits >> c) & 1 == 1:
-                    dv[c] = zero
-            push = m[i] * (dv - free)
-            impulse[i] = impulse[i] + push
-            twist[i] = twist[i] + wp.cross(vec(x[i]), push)
-            work[i] = work[i] + wp.dot(push, v[i] + half * dv)
+        if wp.static(constrained):
+            bits = fixed[i]
+            if bits > 0:
+                for c in range(3):
+                    if (bits >> c) & 1 == 1:
+                        dv[c] = zero
+                push = m[i] * (dv - free)
+                impulse[i] = impulse[i] + push
+                twist[i] = twist[i] + wp.cross(vec(x[i]), push)
+                work[i] = work[i] + wp.dot(push, v[i] + half * dv)
         v_new = v[i] + dv
         e_new = e[i] + dt[0] * dedt[i]
         if wp.static(exact_energy):
             e_new -= half * wp.dot(free, dv)
-        if wp.static(parts):
+        if wp.static(len(parts) > 0):
             gained = dt[0] * part_power[i]
             if wp.static(exact_energy):
                 gained -= (half * dt[0]) * (part_a[i] * dv)

@@ -5,6 +5,7 @@ import functools
 import warp as wp
 
 from .correction import make_gradient
+from .coupling import KINEMATICS, PURE, Coupling, make_coupling
 from .kernel_type import EULERIAN
 from .mirror import make_mirror
 from .smoothing import Smoothing
@@ -14,14 +15,31 @@ from .tensor import make_tensor
 
 @functools.cache
 def make_kinematics(
-    s: Spec, smoothing: Smoothing, corrected: bool, planes: bool, coupled: bool = False
+    s: Spec,
+    smoothing: Smoothing,
+    corrected: bool,
+    planes: bool,
+    coupling: Coupling = PURE,
+    kept: bool = False,
 ) -> wp.Kernel:
-    """Build the velocity-gradient loop; ``coupled``: there are Lagrangian particles, whose gradient is not found here."""
+    """Build the velocity-gradient loop; that of Lagrangian particles is not found here.
+
+    Args:
+        s: Specialisation.
+        smoothing: Smoothing kernel.
+        corrected: Mixed-corrected gradients.
+        planes: Neighbour entries may be mirror images.
+        coupling: Which pairs count.
+        kept: The force loop has left behind the pairs that count, with their (dW/dr)/r.
+    """
     real, vec, mat, point = s.real, s.vec, s.mat, s.point
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
-    w = smoothing.w
+    w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
+    terms_of, coupled = make_coupling(s, coupling), bool(coupling.form)
+    picky = bool(coupling.tag) and not kept  # not every pair within the support counts
     dim = s.dim
-    options = (smoothing.name, "corrected" * corrected, "planes" * planes, "coupled" * coupled)
+    pairs = "kept" if kept else coupling.tag
+    options = (smoothing.name, "corrected" * corrected, "planes" * planes, "coupled" * coupled, pairs)
     variant = "_".join(filter(None, options))
 
     @wp.kernel(module=s.module(__name__, variant))
@@ -31,6 +49,7 @@ def make_kinematics(
         x: wp.array[point],
         v: wp.array[vec],
         vol: wp.array[real],
+        body: wp.array[wp.int32],
         kernel_type: wp.array[wp.int32],
         K: wp.array[mat],
         G: wp.array[vec],
@@ -63,11 +82,23 @@ def make_kinematics(
             j = mirror.index(near[k])
             sign = mirror.sign(near[k])
             xij = mirror.apart(xi, x[j], sign, plane)
+            dw = real(0.0)
+            if wp.static(kept):
+                dw = slope[k]
+            else:
+                r2 = tensor.dot(xij, xij)
+                if r2 >= support * support * h * h:
+                    continue
+                dw = dw_r(wp.sqrt(r2), h)
+            if wp.static(picky):
+                bits = terms_of(kernel_type[i], kernel_type[j], body[i] == body[j], vec(), support * h)
+                if (bits & wp.static(KINEMATICS)) == 0:
+                    continue
             vji = mirror.vector(v[j], sign) - vi
             w_ij = real(0.0)
             if wp.static(corrected):
                 w_ij = w(wp.sqrt(tensor.dot(xij, xij)), h)
-            g = of_pair(xij, slope[k], w_ij, K[own], G[own], h, gradient_ratio)
+            g = of_pair(xij, dw, w_ij, K[own], G[own], h, gradient_ratio)
             u = vol[j] * vji
             xx += u[0] * g[0]
             if wp.static(dim > 1):

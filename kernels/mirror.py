@@ -24,12 +24,13 @@ class Mirror(NamedTuple):
     apart: wp.Function
     vector: wp.Function
     tensor: wp.Function
+    symmetric: wp.Function
 
 
 @functools.cache
 def make_mirror(s: Spec, planes: bool) -> Mirror:
     """Build the functions; without ``planes`` they hand their argument through."""
-    real, vec, mat, position = s.real, s.vec, s.mat, s.point
+    real, vec, mat, sym, position = s.real, s.vec, s.mat, s.sym, s.point
     low = wp.constant((1 << INDEX_BITS) - 1)
 
     @wp.func
@@ -55,6 +56,10 @@ def make_mirror(s: Spec, planes: bool) -> Mirror:
         def tensor(T: mat, s: vec):
             return T
 
+        @wp.func
+        def symmetric(S: sym, s: vec):
+            return S
+
     else:
 
         @wp.func
@@ -79,9 +84,13 @@ def make_mirror(s: Spec, planes: bool) -> Mirror:
         def tensor(T: mat, s: vec):
             return wp.cw_mul(T, wp.outer(s, s))
 
+        @wp.func
+        def symmetric(S: sym, s: vec):
+            return sym(S[0], S[1], S[2], s[0] * s[1] * S[3], s[1] * s[2] * S[4], s[0] * s[2] * S[5])
+
     @wp.func
     def apart(x_i: position, x_j: position, s: vec, plane: position):
         """x_i less the image of x_j [m], rounded from the precision of positions once."""
         return vec(x_i - point(x_j, s, plane))
 
-    return Mirror(index, sign, point, apart, vector, tensor)
+    return Mirror(index, sign, point, apart, vector, tensor, symmetric)

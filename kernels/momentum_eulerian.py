@@ -8,7 +8,8 @@ import warp as wp
 from .correction import make_gradient
 from .coupling import ARTIFICIAL_STRESS, FORCE, KINEMATICS, PURE, Coupling, make_coupling
 from .mirror import make_mirror
-from .parts import ARTIFICIAL, VISCOUS, part_types
+from .parts import ARTIFICIAL, VISCOUS, Parts, part_types
+from .parts import tag as tag_of
 from .smoothing import Smoothing
 from .spec import Spec
 from .tensor import make_tensor
@@ -25,6 +26,8 @@ class PairTerms:
         artificial_stress: Gray et al.'s term.
         planes: Neighbour entries may be mirror images.
         coupling: What pairs of two kernel types, or of two bodies, share.
+        kept: The pairs within the support are left behind for the loops that follow.
+        parts: Parts of the forces that the run keeps apart.
     """
 
     corrected: bool
@@ -32,12 +35,14 @@ class PairTerms:
     artificial_stress: bool
     planes: bool
     coupling: Coupling = PURE
+    kept: bool = False
+    parts: Parts = (VISCOUS,)
 
     @property
     def tag(self) -> str:
         """Short name of the combination."""
         flags = [name for name, on in vars(self).items() if on is True]
-        return "_".join(filter(None, [*flags, self.coupling.tag]))
+        return "_".join(filter(None, [*flags, self.coupling.tag, tag_of(self.parts)]))
 
 
 @functools.cache
@@ -46,10 +51,11 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
     real, vec, mat, point = s.real, s.vec, s.mat, s.point
     mirror, tensor, of_pair = make_mirror(s, terms.planes), make_tensor(s), make_gradient(s, terms.corrected)
     viscosity, terms_of = make_viscosity(s), make_coupling(s, terms.coupling)
-    Accelerations, Powers = part_types(s)
+    Accelerations, Powers = part_types(s, len(terms.parts))
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    dot, product = tensor.dot, tensor.product
-    switched, stressed = terms.switched, terms.artificial_stress
+    dot, act = tensor.dot, tensor.act
+    switched, stressed, kept = terms.switched, terms.artificial_stress, terms.kept
+    viscous, artificial = (terms.parts.index(p) if p in terms.parts else 0 for p in (VISCOUS, ARTIFICIAL))
     half = real(0.5)
     dim, on, coupled = s.dim, wp.constant(int(terms.corrected)), bool(terms.coupling.form)
     shared = bool(terms.coupling.tag)  # a pair may lack some of the terms
@@ -65,11 +71,11 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         rho: wp.array[real],
         vol: wp.array[real],
         cs: wp.array[real],
-        sig: wp.array[mat],
+        sig: wp.array[s.sym],
         body: wp.array[wp.int32],
         kernel_type: wp.array[wp.int32],
         av_switch: wp.array[real],
-        R: wp.array[mat],
+        R: wp.array[s.sym],
         K: wp.array[mat],
         G: wp.array[vec],
         h: real,
@@ -96,7 +102,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
 
         f_ab = V_a V_b (σ_a g_ab - σ_b g_ba) + m_a m_b/2 (Π_ab - f^4 R_ab)(g_ba - g_ab); mu = largest |mu_ab| [m/s].
         What viscosity and artificial stress contribute is kept in part_a and part_power. The pairs within the support,
-        and their (dW/dr)/r, are left behind for the velocity gradient.
+        and their (dW/dr)/r, are left behind for the velocity gradient where that is asked for.
         """
         i = wp.tid() + offset
         if dt[0] == real(0.0):
@@ -130,10 +136,11 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                         continue
                 r = wp.sqrt(r2)
                 dw = dw_r(r, h)
-                if (bits & wp.static(KINEMATICS)) != 0:
-                    near[first + found] = neigh[k]
-                    slope[first + found] = dw
-                    found += 1
+                if wp.static(kept):
+                    if (bits & wp.static(KINEMATICS)) != 0:
+                        near[first + found] = neigh[k]
+                        slope[first + found] = dw
+                        found += 1
                 w_ij = real(0.0)
                 if wp.static(terms.corrected):
                     w_ij = w(r, h)
@@ -154,8 +161,8 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                     g_mean = half * (g_ji - g_ij)
                 pair_mass = m[j] * areal_i
                 if (bits & wp.static(FORCE)) != 0:
-                    inner = product(sig_i, g_ij)
-                    stress = vol[j] * (inner - product(mirror.tensor(sig[j], sign), g_ji))
+                    inner = act(sig_i, g_ij)
+                    stress = vol[j] * (inner - act(mirror.symmetric(sig[j], sign), g_ji))
                     power += vol[j] * dot(vji, inner)
                     f_x += stress[0]
                     if wp.static(dim > 1):
@@ -183,11 +190,11 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                         if wp.static(dim > 2):
                             visc_z += drag[2]
                 if wp.static(stressed):
-                    R_ij = R[i] + mirror.tensor(R[j], sign)
+                    R_ij = R[i] + mirror.symmetric(R[j], sign)
                     # zero, unless one of the two is in tension
-                    if (bits & wp.static(ARTIFICIAL_STRESS)) != 0 and wp.trace(R_ij) < real(0.0):
+                    if (bits & wp.static(ARTIFICIAL_STRESS)) != 0 and tensor.trace(R_ij) < real(0.0):
                         f = w(r, h) * w_spacing
-                        push = (-pair_mass * (f * f * f * f)) * product(R_ij, g_mean)
+                        push = (-pair_mass * (f * f * f * f)) * act(R_ij, g_mean)
                         art_power += dot(vji, push)
                         art_x += push[0]
                         if wp.static(dim > 1):
@@ -198,13 +205,15 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         dvdt[i] = per_mass * vec(f_x + visc_x + art_x, f_y + visc_y + art_y, f_z + visc_z + art_z)
         dedt[i] = per_mass * (power + half * (visc_power + art_power))
         a, powers = Accelerations(), Powers()
-        powers[wp.static(VISCOUS)] = per_mass * half * visc_power
-        powers[wp.static(ARTIFICIAL)] = per_mass * half * art_power
-        a[wp.static(VISCOUS)] = per_mass * vec(visc_x, visc_y, visc_z)
-        a[wp.static(ARTIFICIAL)] = per_mass * vec(art_x, art_y, art_z)
+        powers[wp.static(viscous)] = per_mass * half * visc_power
+        a[wp.static(viscous)] = per_mass * vec(visc_x, visc_y, visc_z)
+        if wp.static(stressed):
+            powers[wp.static(artificial)] = per_mass * half * art_power
+            a[wp.static(artificial)] = per_mass * vec(art_x, art_y, art_z)
         part_a[i] = a
         part_power[i] = powers
         mu[i] = mu_max
-        n_near[i] = found
+        if wp.static(kept):
+            n_near[i] = found
 
     return momentum

@@ -8,7 +8,8 @@ import warp as wp
 from .hourglass import make_hourglass
 from .kernel_type import ERODED, LAGRANGIAN
 from .mirror import make_mirror
-from .parts import HOURGLASS, VISCOUS, part_types
+from .parts import HOURGLASS, VISCOUS, Parts, part_types
+from .parts import tag as tag_of
 from .smoothing import Smoothing
 from .spec import Spec
 from .tensor import make_tensor
@@ -27,6 +28,7 @@ class LagrangianTerms:
         mutual: The force of a pair of both types acts on its Eulerian member too: the conservative coupling.
         sheet: Plane stress: the thickness changes.
         planes: Neighbour entries may be mirror images.
+        parts: Parts of the forces that the run keeps apart.
     """
 
     corrected: bool
@@ -36,11 +38,13 @@ class LagrangianTerms:
     mutual: bool
     sheet: bool
     planes: bool
+    parts: Parts = (VISCOUS,)
 
     @property
     def tag(self) -> str:
         """Short name of the combination."""
-        return "_".join(name for name, on in vars(self).items() if on)
+        flags = [name for name, on in vars(self).items() if on is True]
+        return "_".join(filter(None, [*flags, tag_of(self.parts)]))
 
 
 @functools.cache
@@ -48,7 +52,8 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
     """Build the momentum and energy loop for one set of terms."""
     real, vec, matrix, point = s.real, s.vec, s.mat, s.point
     mirror, tensor, viscosity = make_mirror(s, terms.planes), make_tensor(s), make_viscosity(s)
-    Accelerations, Powers = part_types(s)
+    Accelerations, Powers = part_types(s, len(terms.parts))
+    viscous, zero_energy = (terms.parts.index(p) if p in terms.parts else 0 for p in (VISCOUS, HOURGLASS))
     restoring, w = make_hourglass(s), smoothing.w
     dot, product, half, zero, dim = tensor.dot, tensor.product, real(0.5), real(0.0), s.dim
     coupled, controlled = terms.coupled, terms.hourglass
@@ -200,10 +205,11 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
             mu_max = wp.max(mu_max, mu[i])
         dvdt[i] = dv + per_mass * vec(f_x + visc_x + zero_x, f_y + visc_y + zero_y, f_z + visc_z + zero_z)
         dedt[i] = de + per_mass * (power + half * (visc_power + zero_power))
-        powers[wp.static(VISCOUS)] = powers[wp.static(VISCOUS)] + per_mass * half * visc_power
-        powers[wp.static(HOURGLASS)] = per_mass * half * zero_power
-        a[wp.static(VISCOUS)] = a[wp.static(VISCOUS)] + per_mass * vec(visc_x, visc_y, visc_z)
-        a[wp.static(HOURGLASS)] = per_mass * vec(zero_x, zero_y, zero_z)
+        powers[wp.static(viscous)] = powers[wp.static(viscous)] + per_mass * half * visc_power
+        a[wp.static(viscous)] = a[wp.static(viscous)] + per_mass * vec(visc_x, visc_y, visc_z)
+        if wp.static(controlled):
+            powers[wp.static(zero_energy)] = per_mass * half * zero_power
+            a[wp.static(zero_energy)] = per_mass * vec(zero_x, zero_y, zero_z)
         part_a[i] = a
         part_power[i] = powers
         mu[i] = mu_max

@@ -10,9 +10,6 @@ from .mirror import INDEX_BITS, make_mirror
 from .spec import Spec
 from .tensor import make_tensor
 
-SLACK = 16
-"""Spare places of every row."""
-
 
 class NeighbourKernels(NamedTuple):
     """Kernels of this file."""
@@ -48,7 +45,6 @@ def make_neighbours(
         return True
 
     masks = wp.constant(8 if planes else 1)
-    slack = wp.constant(SLACK)
 
     @wp.kernel(module=module)
     def fill(
@@ -101,13 +97,14 @@ def make_neighbours(
         offset: wp.int32,
         # in:
         n_neigh: wp.array[wp.int32],
-        lasting: wp.int32,
+        divisor: wp.int32,
+        spare: wp.int32,
         # out:
         room: wp.array[wp.int32],
     ):
-        """Give every row half as much again as it needs now, and `SLACK` places; one place where it is ``lasting``."""
+        """Give a row what it needs now, a share of that, and ``spare`` places, at least one (see `fill`)."""
         i = wp.tid() + offset
-        room[i] = wp.where(lasting == 1, n_neigh[i] + 1, n_neigh[i] + n_neigh[i] / 2 + slack)
+        room[i] = n_neigh[i] + n_neigh[i] / divisor + spare
 
     @wp.kernel(module=module)
     def cell_order(

@@ -4,14 +4,15 @@ import functools
 
 import warp as wp
 
-from .parts import part_types
+from .parts import PARTS, part_types
 from .spec import Spec
 
 
 @functools.cache
 def make_sort(s: Spec) -> dict[type, wp.Kernel]:
     """Build one gather kernel per element type of the state."""
-    kinds = dict.fromkeys((wp.int32, s.real, s.vec, s.point, s.mat, part_types(s).power))  # in this order
+    parts = (part_types(s, count + 1).power for count in range(len(PARTS)))
+    kinds = dict.fromkeys((wp.int32, s.real, s.vec, s.point, s.mat, s.sym, *parts))  # in this order
     return {dtype: _gather(s, dtype) for dtype in kinds}
 
 

@@ -43,6 +43,11 @@ class Spec:
         """Second-order tensor type, 3x3 components of ``real``."""
         return wp.types.matrix((3, 3), self.real)
 
+    @functools.cached_property
+    def sym(self) -> type:
+        """Symmetric tensor as it is stored: xx, yy, zz, xy, yz, xz."""
+        return wp.types.vector(6, self.real)
+
     @property
     def tag(self) -> str:
         """Short name: ``3d_f32``, ``3d_f64`` or ``3d_mixed``."""

@@ -90,16 +90,20 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
         head: wp.array[wp.int32],
         number: wp.array[wp.int32],
         n: wp.int32,
+        most: wp.int32,
         # out:
         tile_start: wp.array[wp.int32],
         n_tiles: wp.array[wp.int32],
     ):
-        """First place of every tile in the list of members; ``number`` is the inclusive sum of ``head``."""
+        """First place of every tile in the list of members; ``number`` is the inclusive sum of ``head``.
+
+        ``tile_start`` has room for ``most`` tiles: of more only their number is told.
+        """
         k = wp.tid() + offset
-        if head[k] == 1:
+        if head[k] == 1 and number[k] <= most:
             tile_start[number[k] - 1] = k
         if k == n - 1:
-            tile_start[number[k]] = n
+            tile_start[wp.min(number[k], most)] = n
             n_tiles[0] = number[k]
 
     @wp.kernel(module=module)

@@ -102,8 +102,8 @@ def test_a_material_table_of_another_precision_is_refused():
     kernel, n = make_constitutive(DOUBLE[3], False, False), 2
     kinds = {
         "dvdx": DOUBLE[3].mat,
-        "tau": DOUBLE[3].mat,
-        "sig": DOUBLE[3].mat,
+        "tau": DOUBLE[3].sym,
+        "sig": DOUBLE[3].sym,
         "mat": wp.int32,
         "clipped": wp.int32,
         "F": DOUBLE[3].mat,

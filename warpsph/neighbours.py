@@ -1,10 +1,13 @@
 """Neighbour rows of present positions, rebuilt when particles have moved further than the Verlet skin allows."""
 
+import numpy as np
 import warp as wp
 
+from .block import Block
 from .errors import InputError
 from .kernels.neighbours import make_neighbours
 from .launch import Launcher
+from .memory import Policy
 from .particles import Particles
 from .rows import Rows
 from .tiles import Tiles
@@ -26,9 +29,10 @@ class Neighbours:
         start: Row offsets, shape [n + 1], int32.
         n_neigh: Entries in use in each row, shape [n], int32.
         neigh: Entries, see `warpsph.rows.Rows`.
-        near: The entries within the support, as the force loop of a step leaves them, row by row like ``neigh``.
-        slope: (dW/dr)/r of those [1/m^(dim+2)].
-        n_near: Their number in each row, shape [n], int32.
+        near: The entries within the support, as the force loop of a step leaves them, row by row like ``neigh``; where
+            none are kept, ``neigh``.
+        slope: (dW/dr)/r of those [1/m^(dim+2)]; 1 long where none are kept.
+        n_near: Their number in each row, shape [n], int32; where none are kept, ``n_neigh``.
         role: 0: no row; 1: a row; 2: its tile may have Eulerian particles, shape [n], int32 (1 long if all have rows).
         unlisted: 1: a particle converted whose neighbours have no rows, shape [1], int32.
         x_listed: Positions at the last build [m], shape [n, 3].
@@ -37,8 +41,9 @@ class Neighbours:
         radius: Reach of the rows [m].
         plane: Positions of the symmetry planes normal to x, y, z [m].
         plane_mask: Bits 1, 2, 4: there is a plane normal to x, y, z.
+        search: The rows and the hash grid.
+        block: The memory of the entries, and of the work of rebuilding them.
         builds: Number of builds so far.
-        generation: Changes when ``neigh`` was reallocated: launches must be bound again.
     """
 
     def __init__(
@@ -46,7 +51,9 @@ class Neighbours:
         particles: Particles,
         launcher: Launcher,
         planes,
+        policy: Policy,
         *,
+        x: np.ndarray,
         spacing: float,
         support: float,
         skin: float,
@@ -59,6 +66,8 @@ class Neighbours:
             particles: The particles.
             launcher: The device.
             planes: Symmetry planes as (axis, position [m]).
+            policy: What memory may be spent on.
+            x: Positions at the start [m], shape [n, 3].
             spacing: Particle spacing [m].
             support: Reach of the smoothing kernel [m].
             skin: Verlet skin [m].
@@ -78,65 +87,86 @@ class Neighbours:
         self.plane = spec.point(*(dict(planes).get(axis, 0.0) for axis in range(3)))
         self.plane_mask = sum(1 << axis for axis, _ in planes)
         self._kernels = make_neighbours(spec, bool(planes), selective=selective)
-        self._rows = Rows(n, spec.dim, spec.place, self._kernels, launcher)
+        self.block = Block(launcher.device)
+        self.search = Rows(x, self.radius, spec.dim, spec.place, self._kernels, launcher, policy, self.block)
+        self._kept = policy.kept
         with wp.ScopedDevice(launcher.device):
-            self._order = wp.zeros(n, dtype=wp.int32)
             self.role = wp.zeros(n if selective else 1, dtype=wp.int32)
             self.unlisted = wp.zeros(1, dtype=wp.int32)
-            self.n_near = wp.zeros(n, dtype=wp.int32)
             self.x_listed = wp.zeros(n, dtype=spec.point)
+            self._n_near = wp.zeros(n if policy.kept else 1, dtype=wp.int32)
+        self._copied = -1
         self._follow_rows()
-        self.builds, self.generation = 0, 0
+        self.builds = 0
 
     @property
     def start(self) -> wp.array:
         """Row offsets, shape [n + 1], int32."""
-        return self._rows.start
+        return self.search.start
 
     @property
     def n_neigh(self) -> wp.array:
         """Entries in use in each row, shape [n], int32."""
-        return self._rows.n_neigh
+        return self.search.n_neigh
 
     @property
     def neigh(self) -> wp.array:
         """Entries, shape [capacity], int32."""
-        return self._rows.neigh
+        return self.search.neigh
+
+    @property
+    def near(self) -> wp.array:
+        """Entries within the support, shape [capacity], int32."""
+        return self._near if self._kept else self.neigh
+
+    @property
+    def n_near(self) -> wp.array:
+        """Their number in each row, shape [n], int32."""
+        return self._n_near if self._kept else self.n_neigh
+
+    @property
+    def generation(self) -> int:
+        """Changes when ``neigh`` has moved in memory: launches must be bound again."""
+        return self.block.generation
 
     def build(self) -> None:
         """Rebuild the rows, and re-sort the particles in memory first when it is time to."""
         p = self._particles
         if self.builds > 0 and not self._searching:
             return
-        self._rows.grid.build(p.x, self.radius)
+        self.search.grid.build(p.x, self.radius)
         if self.builds == 0 or (self.builds % SORT_EVERY == 0 and not self._selective):
-            self._launcher.launch(self._kernels.cell_order, p.n, grid=self._rows.grid, order=self._order)
-            p.reorder(self._order)
-            self._rows.grid.build(p.x, self.radius)
+            order, _ = self.block.views((wp.int32, p.n), (p.largest, p.n))
+            self._launcher.launch(self._kernels.cell_order, p.n, grid=self.search.grid, order=order)
+            p.reorder(order, lambda dtype: self.block.views((wp.int32, p.n), (dtype, p.n))[1])
+            self.search.grid.build(p.x, self.radius)
         self.builds += 1
         if not self._searching:
             return
-        self.tiles.build(self)
+        self.tiles.build(self, self.block)
         self._fill(self.radius)
         wp.copy(self.x_listed, p.x)
         self.unlisted.zero_()
 
     def _fill(self, radius: float) -> None:
-        if self._rows.fill(self, self._particles, radius=radius):
-            self._follow_rows()
-            self.generation += 1
+        self.search.fill(self, self._particles, radius=radius)
+        self._follow_rows()
 
     def _follow_rows(self) -> None:
         """Give the copies of the rows that a step makes the same capacity."""
+        if self._copied == self.generation:
+            return
+        capacity = self.neigh.size if self._kept else 1
         with wp.ScopedDevice(self._launcher.device):
-            self.near = wp.empty(self.neigh.size, dtype=wp.int32)
-            self.slope = wp.empty(self.neigh.size, dtype=self._particles.spec.real)
+            self._near = wp.empty(capacity, dtype=wp.int32)
+            self.slope = wp.empty(capacity, dtype=self._particles.spec.real)
+        self._copied = self.generation
 
     def mean_count(self) -> float:
         """Mean number of neighbours within the kernel's support now, the particle itself left out.
 
         Leaves rows without skin behind: build again before the next step.
         """
-        self._rows.grid.build(self._particles.x, self.radius)
+        self.search.grid.build(self._particles.x, self.radius)
         self._fill(self.support)
-        return self._rows.mean_count()
+        return self.search.mean_count()

@@ -79,7 +79,7 @@ def _table(state: State) -> dict[str, tuple[str, str, Callable[[], np.ndarray]]]
         if f.name not in state.fields:
             continue
         array, words = state.fields[f.name], f.title.replace("_", " ")
-        if f.kind == "mat":
+        if f.kind in ("mat", "sym"):
             for pair, i, j in PAIRS:
                 table[f"{f.title}_{pair}"] = (f"{words} {pair}", f.unit, lambda a=array, i=i, j=j: a[:, i, j])
         elif f.kind in ("vec", "point"):
