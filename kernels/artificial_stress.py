@@ -61,16 +61,16 @@ def make_artificial_stress(s: Spec) -> wp.Kernel:
     def artificial_stress(
         offset: wp.int32,
         # in:
-        sig: wp.array[mat],
+        sig: wp.array[s.sym],
         rho: wp.array[real],
         dt: wp.array[real],
         # out:
-        R: wp.array[mat],
+        R: wp.array[s.sym],
     ):
         """R_a = -0.3 tensile(σ_a) / ρ_a² [Pa m⁶/kg²] (section 3; Gray et al. 2001)."""
         i = wp.tid() + offset
         if dt[0] == real(0.0):
             return
-        R[i] = (-eps / (rho[i] * rho[i])) * tensile(sig[i])
+        R[i] = (-eps / (rho[i] * rho[i])) * tensor.pack(tensile(tensor.unpack(sig[i])))
 
     return artificial_stress

@@ -136,7 +136,7 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool, lagrangian: bool
         dt: wp.array[real],
         # out:
         rho: wp.array[real],
-        tau: wp.array[matrix],
+        tau: wp.array[s.sym],
         ep: wp.array[real],
         ep_rate: wp.array[real],
         T: wp.array[real],
@@ -144,7 +144,7 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool, lagrangian: bool
         p: wp.array[real],
         cs: wp.array[real],
         cl: wp.array[real],
-        sig: wp.array[matrix],
+        sig: wp.array[s.sym],
         vol: wp.array[real],
         thickness: wp.array[real],
         p_high: wp.array[real],
@@ -169,16 +169,19 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool, lagrangian: bool
             if kernel_type[i] == ERODED:
                 return
             if kernel_type[i] == LAGRANGIAN and fate[i] != wp.static(INVERTED):
-                rho_next = m[i] / (vol0[i] * wp.determinant(F[i]) * thickness[i])
+                vol_next = vol0[i] * wp.determinant(F[i])
+                if wp.static(plane_stress):
+                    vol_next *= thickness[i]
+                rho_next = m[i] / vol_next
         rho_i, tau_i, d_ep, p_i, c_i, out, D_i, L_zz = update(
-            row, dvdx[i], dt[0], rho_next, e[i], tau[i], ep[i], T[i], D[i], cs[i]
+            row, dvdx[i], dt[0], rho_next, e[i], tensor.unpack(tau[i]), ep[i], T[i], D[i], cs[i]
         )
         sheet = one
         if wp.static(plane_stress):
             sheet = thickness[i] * wp.exp(dt[0] * L_zz)
             thickness[i] = sheet
         rho[i] = rho_i
-        tau[i] = tau_i
+        tau[i] = tensor.pack(tau_i)
         ep[i] = ep[i] + d_ep
         ep_rate[i] = d_ep / dt[0]
         if row.strength >= nonlinear:
@@ -187,7 +190,7 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool, lagrangian: bool
         p[i] = p_i
         cs[i] = c_i
         cl[i] = wp.sqrt(c_i * c_i + stiff * row.G / rho_i)
-        sig[i] = sheet * (tau_i - p_i * wp.identity(n=3, dtype=real))
+        sig[i] = tensor.pack(sheet * (tau_i - p_i * wp.identity(n=3, dtype=real)))
         vol[i] = m[i] / (rho_i * sheet)
         p_high[i] = wp.max(p_high[i], p_i)
         p_low[i] = wp.min(p_low[i], p_i)

@@ -7,7 +7,7 @@ import warp as wp
 
 from .kernel_type import ERODED
 from .mirror import make_mirror
-from .parts import CONTACT, part_types
+from .parts import CONTACT, Parts, part_types, tag
 from .smoothing import Smoothing
 from .spec import Spec
 from .tensor import make_tensor
@@ -23,20 +23,30 @@ class ContactKernels(NamedTuple):
 
 
 @functools.cache
-def make_contact(s: Spec, smoothing: Smoothing, planes: bool) -> ContactKernels:
-    """Build the pair loop over particles of other bodies; ``planes``: neighbour entries may be mirror images."""
-    real, vec = s.real, s.vec
-    Accelerations, Powers = part_types(s)
+def make_contact(s: Spec, smoothing: Smoothing, planes: bool, parts: Parts = (CONTACT,)) -> ContactKernels:
+    """Build the pair loop over particles of other bodies.
+
+    Args:
+        s: Specialisation.
+        smoothing: Smoothing kernel.
+        planes: Neighbour entries may be mirror images.
+        parts: Parts of the forces that the run keeps apart.
+    """
+    real, vec, point = s.real, s.vec, s.point
+    Accelerations, Powers = part_types(s, len(parts))
+    row = parts.index(CONTACT)
     mirror, dot = make_mirror(s, planes), make_tensor(s).dot
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     zero, half, three, four = real(0.0), real(0.5), real(3.0), real(4.0)
     centre, dim = real(CENTRE), s.dim
 
-    @wp.kernel(module=s.module(__name__, "_".join(filter(None, (smoothing.name, "planes" * planes)))))
+    @wp.kernel(
+        module=s.module(__name__, "_".join(filter(None, (smoothing.name, "planes" * planes, tag(parts)))))
+    )
     def contact(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
+        x: wp.array[point],
         v: wp.array[vec],
         m: wp.array[real],
         vol: wp.array[real],
@@ -47,7 +57,7 @@ def make_contact(s: Spec, smoothing: Smoothing, planes: bool) -> ContactKernels:
         contact_scale: real,
         h: real,
         spacing: real,
-        plane: vec,
+        plane: point,
         dt: wp.array[real],
         start: wp.array[wp.int32],
         n_neigh: wp.array[wp.int32],
@@ -81,7 +91,7 @@ def make_contact(s: Spec, smoothing: Smoothing, planes: bool) -> ContactKernels:
             j = mirror.index(neigh[k])
             if body[j] != body_i and kernel_type[j] != ERODED:
                 sign = mirror.sign(neigh[k])
-                xij = xi - mirror.point(x[j], sign, plane)
+                xij = mirror.apart(xi, x[j], sign, plane)
                 r2 = dot(xij, xij)
                 if r2 < r_max2:
                     r = wp.sqrt(r2)
@@ -108,8 +118,8 @@ def make_contact(s: Spec, smoothing: Smoothing, planes: bool) -> ContactKernels:
             dvdt[i] = dvdt[i] + dv
             dedt[i] = dedt[i] + de
             a, powers = Accelerations(part_a[i]), Powers(part_power[i])
-            a[wp.static(CONTACT)] = dv
-            powers[wp.static(CONTACT)] = de
+            a[wp.static(row)] = dv
+            powers[wp.static(row)] = de
             part_a[i] = a
             part_power[i] = powers
             cover[i] = wp.max(cover[i], share)

@@ -55,15 +55,16 @@ class ConversionKernels(NamedTuple):
 
 
 @functools.cache
-def make_conversion(s: Spec, criteria: Criteria, planes: bool) -> ConversionKernels:
-    """Build the kernels for one set of criteria."""
-    real, vec, matrix = s.real, s.vec, s.mat
-    mirror, dot = make_mirror(s, planes), make_tensor(s).dot
+def make_conversion(s: Spec, criteria: Criteria, planes: bool, sheet: bool = False) -> ConversionKernels:
+    """Build the kernels for one set of criteria; ``sheet``: plane stress, where the thickness changes."""
+    real, point, matrix = s.real, s.point, s.mat
+    mirror, tensor = make_mirror(s, planes), make_tensor(s)
+    dot, unpack = tensor.dot, tensor.unpack
     zero, one, ripe_share = real(0.0), real(1.0), real(RIPE)
     measured = criteria.measure not in ("", "plastic")
     strain = make_strain(s, criteria.measure if measured else "logarithmic")
     own = criteria.criterion(s) if criteria.criterion is not None else None
-    module = s.module(__name__, "_".join(filter(None, (criteria.tag, "planes" * planes))))
+    module = s.module(__name__, "_".join(filter(None, (criteria.tag, "planes" * planes, "sheet" * sheet))))
 
     @wp.func
     def strained(F: matrix, thickness: real, ep: real, limit: real):
@@ -103,7 +104,7 @@ def make_conversion(s: Spec, criteria: Criteria, planes: bool) -> ConversionKern
         offset: wp.int32,
         # in:
         F: wp.array[matrix],
-        tau: wp.array[matrix],
+        tau: wp.array[s.sym],
         p: wp.array[real],
         ep: wp.array[real],
         D: wp.array[real],
@@ -139,9 +140,12 @@ def make_conversion(s: Spec, criteria: Criteria, planes: bool) -> ConversionKern
                 verdict = 0
         share = zero
         if lagrangian:
+            across = one
+            if wp.static(sheet):
+                across = thickness[i]
             share = wp.max(
-                strained(F[i], thickness[i], ep[i], strain_limit),
-                asked(F[i], tau[i], p[i], ep[i], D[i], T[i]),
+                strained(F[i], across, ep[i], strain_limit),
+                asked(F[i], unpack(tau[i]), p[i], ep[i], D[i], T[i]),
             )
             if share >= one:
                 verdict = wp.max(verdict, 1)
@@ -158,11 +162,11 @@ def make_conversion(s: Spec, criteria: Criteria, planes: bool) -> ConversionKern
     def spread(
         offset: wp.int32,
         # in:
-        X: wp.array[vec],
+        X: wp.array[point],
         kernel_type: wp.array[wp.int32],
         fate: wp.array[wp.int32],
         spread_radius: real,
-        plane: vec,
+        plane: point,
         spreading: wp.array[real],
         start0: wp.array[wp.int32],
         n_neigh0: wp.array[wp.int32],
@@ -177,7 +181,7 @@ def make_conversion(s: Spec, criteria: Criteria, planes: bool) -> ConversionKern
             for k in range(start0[i], start0[i] + n_neigh0[i]):
                 j = mirror.index(neigh0[k])
                 if fate[j] > own_fate + 1:
-                    Xij = X[i] - mirror.point(X[j], mirror.sign(neigh0[k]), plane)
+                    Xij = mirror.apart(X[i], X[j], mirror.sign(neigh0[k]), plane)
                     if dot(Xij, Xij) <= spread_radius * spread_radius:
                         own_fate = fate[j] - 1
         fate_next[i] = own_fate
@@ -212,8 +216,8 @@ def make_conversion(s: Spec, criteria: Criteria, planes: bool) -> ConversionKern
         dt: wp.array[real],
         # out:
         kernel_type: wp.array[wp.int32],
-        tau: wp.array[matrix],
-        sig: wp.array[matrix],
+        tau: wp.array[s.sym],
+        sig: wp.array[s.sym],
         p: wp.array[real],
         changed: wp.array[real],
     ):
@@ -223,8 +227,8 @@ def make_conversion(s: Spec, criteria: Criteria, planes: bool) -> ConversionKern
             return
         if D[i] >= one:
             kernel_type[i] = wp.static(ERODED)
-            tau[i] = matrix()
-            sig[i] = matrix()
+            tau[i] = s.sym()
+            sig[i] = s.sym()
             p[i] = zero
             changed[0] = one
 

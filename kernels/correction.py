@@ -37,10 +37,10 @@ def make_correction(
         separate: Neighbours of another body do not count.
         coupled: There are Lagrangian particles: eroded ones do not count.
     """
-    real, vec, mat, dim = s.real, s.vec, s.mat, s.dim
+    real, vec, mat, place, point, dim = s.real, s.vec, s.mat, s.place, s.point, s.dim
     mirror, tensor = make_mirror(s, planes), make_tensor(s)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    at, worth, _, _, row_end, _ = make_lanes(s)
+    at, spot, worth, _, _, row_end, _ = make_lanes(s)
     bound, counts, zero = real(CONDITION), make_counts(separate, coupled), real(0.0)
     options = (smoothing.name, "planes" * planes, "separate" * separate, "coupled" * coupled)
 
@@ -63,12 +63,12 @@ def make_correction(
     def correction(
         offset: wp.int32,
         # in:
-        x: wp.array2d[real],
+        x: wp.array2d[place],
         vol: wp.array[real],
         body: wp.array[wp.int32],
         kernel_type: wp.array[wp.int32],
         h: real,
-        plane: vec,
+        plane: point,
         dt: wp.array[real],
         start: wp.array[wp.int32],
         n_neigh: wp.array[wp.int32],
@@ -83,7 +83,7 @@ def make_correction(
             return
         first = start[i]
         last = row_end(first, n_neigh[i])
-        xi = at(x, i)
+        xi = spot(x, i)
         r_max2 = support * support * h * h
         shepard = vol[i] * w(real(0.0), h)
         # scalars, not vectors or matrices: the compiler keeps them in registers
@@ -92,7 +92,7 @@ def make_correction(
         k = wp.int32(first)
         while k < last:
             j = mirror.index(neigh[k])
-            xij = xi - mirror.point(at(x, j), mirror.sign(neigh[k]), plane)
+            xij = mirror.apart(xi, spot(x, j), mirror.sign(neigh[k]), plane)
             r2 = tensor.dot(xij, xij)
             near = r2 < r_max2 and neigh[k] != i and counts(body[i], body[j], kernel_type[j])
             if worth(near):
@@ -111,7 +111,7 @@ def make_correction(
         k = wp.int32(first)
         while k < last:
             j = mirror.index(neigh[k])
-            xij = xi - mirror.point(at(x, j), mirror.sign(neigh[k]), plane)
+            xij = mirror.apart(xi, spot(x, j), mirror.sign(neigh[k]), plane)
             r2 = tensor.dot(xij, xij)
             near = r2 < r_max2 and neigh[k] != i and counts(body[i], body[j], kernel_type[j])
             if worth(near):

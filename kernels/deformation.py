@@ -8,6 +8,7 @@ import warp as wp
 from .kernel_type import LAGRANGIAN
 from .mirror import make_mirror
 from .spec import Spec
+from .tensor import make_tensor
 
 SMALLEST_J = 0.01
 """A deformation gradient of a smaller determinant is none: matter is not compressed a hundredfold, it has turned over."""
@@ -33,8 +34,8 @@ class DeformationKernels(NamedTuple):
 @functools.cache
 def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKernels:
     """Build the kernels for one specialisation; ``corrected``: gradients are, in the reference configuration."""
-    real, vec, mat, dim = s.real, s.vec, s.mat, s.dim
-    mirror = make_mirror(s, planes)
+    real, vec, mat, point, dim = s.real, s.vec, s.mat, s.point, s.dim
+    mirror, unpack = make_mirror(s, planes), make_tensor(s).unpack
     half, zero, one, smallest = real(0.5), real(0.0), real(1.0), real(SMALLEST_J)
     mismatch, contraction2 = real(LARGEST_MISMATCH), real(LARGEST_CONTRACTION**2)
     module = s.module(__name__, "_".join(filter(None, ("corrected" * corrected, "planes" * planes))))
@@ -49,12 +50,12 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
     def rate(
         offset: wp.int32,
         # in:
-        X: wp.array[vec],
+        X: wp.array[point],
         v: wp.array[vec],
         kernel_type: wp.array[wp.int32],
         interface: wp.array[wp.int32],
         G0: wp.array[vec],
-        plane: vec,
+        plane: point,
         dt: wp.array[real],
         start0: wp.array[wp.int32],
         n_neigh0: wp.array[wp.int32],
@@ -81,7 +82,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
             j = mirror.index(neigh0[k])
             sign = mirror.sign(neigh0[k])
             u = mirror.vector(v[j], sign) - vi
-            g = slope0[k] * (Xi - mirror.point(X[j], sign, plane))
+            g = slope0[k] * mirror.apart(Xi, X[j], sign, plane)
             xx += u[0] * g[0]
             if wp.static(dim > 1):
                 xy += u[0] * g[1]
@@ -153,7 +154,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         offset: wp.int32,
         # in:
         F: wp.array[mat],
-        sig: wp.array[mat],
+        sig: wp.array[s.sym],
         K0: wp.array[mat],
         kernel_type: wp.array[wp.int32],
         interface: wp.array[wp.int32],
@@ -180,7 +181,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         if wp.static(corrected):
             cofactor = cofactor * K0[i]
         cof[i] = cofactor
-        P[i] = sig[i] * cofactor
+        P[i] = unpack(sig[i]) * cofactor
         C = inverse * wp.transpose(inverse)
         widest = real(0.0)
         for c in range(3):

@@ -13,14 +13,16 @@ from .tensor import make_tensor
 
 
 @functools.cache
-def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, planes: bool) -> wp.Kernel:
-    """Build the loop; for second order it also leaves the slopes of pressure and density."""
-    real, vec, matrix = s.real, s.vec, s.mat
+def make_deviatoric(
+    s: Spec, smoothing: Smoothing, order: int, corrected: bool, planes: bool
+) -> wp.Kernel:
+    """Build the loop; for second order it also leaves the slopes of pressure and density, and if asked the pairs."""
+    real, vec, matrix, place, point = s.real, s.vec, s.mat, s.place, s.point
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    dot, product = tensor.dot, tensor.product
+    dot, act = tensor.dot, tensor.act
     zero, half = real(0.0), real(0.5)
-    at, worth, _, _, row_end, _ = make_lanes(s)
+    at, spot, worth, _, _, row_end, _ = make_lanes(s)
     dim, on = s.dim, wp.constant(int(corrected))
     options = (smoothing.name, f"order{order}", "corrected" * corrected, "planes" * planes)
 
@@ -28,18 +30,18 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
     def deviatoric(
         offset: wp.int32,
         # in:
-        x: wp.array2d[real],
+        x: wp.array2d[place],
         v: wp.array2d[real],
         m: wp.array[real],
         rho: wp.array[real],
         vol: wp.array[real],
         p: wp.array[real],
-        tau: wp.array[matrix],
+        tau: wp.array[s.sym],
         K: wp.array[matrix],
         G: wp.array2d[real],
         h: real,
         gradient_ratio: real,
-        plane: vec,
+        plane: point,
         dt: wp.array[real],
         start: wp.array[wp.int32],
         n_neigh: wp.array[wp.int32],
@@ -62,7 +64,7 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
         first = start[i]
         last = row_end(first, n_neigh[i])
         own = i * on  # K and G are one long where there is no correction
-        xi, vi, tau_i = at(x, i), at(v, i), tau[i]
+        xi, vi, tau_i = spot(x, i), at(v, i), tau[i]
         p_i, rho_i = p[i], rho[i]
         r_max2 = support * support * h * h
         # scalars, not vectors: the compiler keeps them in registers
@@ -73,7 +75,7 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
         while k < last:
             j = mirror.index(neigh[k])
             sign = mirror.sign(neigh[k])
-            xij = xi - mirror.point(at(x, j), sign, plane)
+            xij = mirror.apart(xi, spot(x, j), sign, plane)
             r2 = dot(xij, xij)
             near = r2 < r_max2 and neigh[k] != i
             if worth(near):
@@ -82,13 +84,13 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
                 if wp.static(corrected):
                     w_ij = wp.where(near, w(r, h), zero)
                 g_ij = of_pair(xij, dw, w_ij, K[own], at(G, own), h, gradient_ratio)
-                tau_j = mirror.tensor(tau[j], sign)
-                f = product(tau_i + tau_j, g_ij)
+                tau_j = mirror.symmetric(tau[j], sign)
+                f = act(tau_i + tau_j, g_ij)
                 if wp.static(corrected):
                     other = j * on
                     K_j, G_j = mirror.tensor(K[other], sign), mirror.vector(at(G, other), sign)
                     g_ji = of_pair(-xij, dw, w_ij, K_j, G_j, h, gradient_ratio)
-                    f = product(tau_i, g_ij) - product(tau_j, g_ji)
+                    f = act(tau_i, g_ij) - act(tau_j, g_ji)
                 f *= vol[j]
                 power += half * dot(f, mirror.vector(at(v, j), sign) - vi)
                 f_x += f[0]

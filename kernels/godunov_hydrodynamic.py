@@ -46,13 +46,13 @@ def make_hydrodynamic(
     s: Spec, smoothing: Smoothing, states: Reconstruction, corrected: bool, planes: bool
 ) -> wp.Kernel:
     """Build the loop."""
-    real, vec, matrix = s.real, s.vec, s.mat
+    real, vec, matrix, place, point = s.real, s.vec, s.mat, s.place, s.point
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     side, interface = make_interface(s, states.riemann)
     Material = make_material(s)
     limited = make_limiter(s, states.limiter, states.jump)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    at, taken, raised, value, row_end, Bits = make_lanes(s)
+    at, spot, taken, raised, value, row_end, Bits = make_lanes(s)
     dot, quadratic = tensor.dot, tensor.quadratic
     zero, half, one, two = real(0.0), real(0.5), real(1.0), real(2.0)
     dim, on, second, fragile = s.dim, wp.constant(int(corrected)), states.order == 2, states.fragile
@@ -68,7 +68,7 @@ def make_hydrodynamic(
     def hydrodynamic(
         offset: wp.int32,
         # in:
-        x: wp.array2d[real],
+        x: wp.array2d[place],
         v: wp.array2d[real],
         v_start: wp.array2d[real],
         m: wp.array[real],
@@ -88,7 +88,7 @@ def make_hydrodynamic(
         h: real,
         gradient_ratio: real,
         limiter_beta: real,
-        plane: vec,
+        plane: point,
         dt: wp.array[real],
         start: wp.array[wp.int32],
         n_neigh: wp.array[wp.int32],
@@ -117,7 +117,7 @@ def make_hydrodynamic(
         first = start[i]
         last = row_end(first, n_neigh[i])
         own = i * on  # K and G are one long where there is no correction
-        xi, vi, kicked_i = at(x, i), at(v_start, i), at(v, i)
+        xi, vi, kicked_i = spot(x, i), at(v_start, i), at(v, i)
         r_max2 = support * support * h * h
         p_i, rho_i, cs_i = p[i], rho[i], cs[i]
         A_i = materials[mat[i]].A_shock
@@ -135,7 +135,7 @@ def make_hydrodynamic(
         while k < last:
             j = mirror.index(neigh[k])
             sign = mirror.sign(neigh[k])
-            xij = xi - mirror.point(at(x, j), sign, plane)
+            xij = mirror.apart(xi, spot(x, j), sign, plane)
             r2 = dot(xij, xij)
             near = r2 < r_max2 and neigh[k] != i
             if taken(near):

@@ -19,14 +19,14 @@ def make_godunov_pm(
     s: Spec, smoothing: Smoothing, riemann: str, fragile: bool, corrected: bool, planes: bool
 ) -> wp.Kernel:
     """Build the pair loop; ``fragile``: some material bears no tension, or none once it has failed."""
-    real, vec, matrix = s.real, s.vec, s.mat
+    real, vec, matrix, place, point = s.real, s.vec, s.mat, s.place, s.point
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     side, interface = make_interface(s, riemann)
     Material = make_material(s)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    dot, product = tensor.dot, tensor.product
+    dot, act = tensor.dot, tensor.act
     zero, half, one, two = real(0.0), real(0.5), real(1.0), real(2.0)
-    at, worth, raised, value, row_end, Bits = make_lanes(s)
+    at, spot, worth, raised, value, row_end, Bits = make_lanes(s)
     shear_share = real(0.75)
     dim, on = s.dim, wp.constant(int(corrected))
     flags = ("fragile" * fragile, "corrected" * corrected, "planes" * planes)
@@ -41,14 +41,14 @@ def make_godunov_pm(
     def pair_fluxes(
         offset: wp.int32,
         # in:
-        x: wp.array2d[real],
+        x: wp.array2d[place],
         v: wp.array2d[real],
         m: wp.array[real],
         rho: wp.array[real],
         vol: wp.array[real],
         cs: wp.array[real],
         cl: wp.array[real],
-        sig: wp.array[matrix],
+        sig: wp.array[s.sym],
         D: wp.array[real],
         mat: wp.array[wp.int32],
         materials: wp.array[Material],
@@ -56,7 +56,7 @@ def make_godunov_pm(
         G: wp.array2d[real],
         h: real,
         gradient_ratio: real,
-        plane: vec,
+        plane: point,
         dt: wp.array[real],
         start: wp.array[wp.int32],
         n_neigh: wp.array[wp.int32],
@@ -80,7 +80,7 @@ def make_godunov_pm(
         first = start[i]
         last = row_end(first, n_neigh[i])
         own = i * on  # K and G are one long where there is no correction
-        xi, vi, sig_i = at(x, i), at(v, i), sig[i]
+        xi, vi, sig_i = spot(x, i), at(v, i), sig[i]
         rho_i, cl_i = rho[i], cl[i]
         Zt_i = shear_impedance(rho_i, cs[i], cl_i)
         A_i = materials[mat[i]].A_shock
@@ -98,7 +98,7 @@ def make_godunov_pm(
         while k < last:
             j = mirror.index(neigh[k])
             sign = mirror.sign(neigh[k])
-            xij = xi - mirror.point(at(x, j), sign, plane)
+            xij = mirror.apart(xi, spot(x, j), sign, plane)
             r2 = dot(xij, xij)
             near = r2 < r_max2 and neigh[k] != i
             if worth(near):
@@ -114,7 +114,7 @@ def make_godunov_pm(
                     K_j, G_j = mirror.tensor(K[other], sign), mirror.vector(at(G, other), sign)
                     slope = half * (slope - dot(e, of_pair(-xij, dw, w_ij, K_j, G_j, h, gradient_ratio)))
                 vj = mirror.vector(at(v, j), sign)
-                t_i, t_j = product(sig_i, e), product(mirror.tensor(sig[j], sign), e)
+                t_i, t_j = act(sig_i, e), act(mirror.symmetric(sig[j], sign), e)
                 u_i, u_j, p_i, p_j = dot(vi, e), dot(vj, e), -dot(t_i, e), -dot(t_j, e)
                 mu_top = raised(mu_top, wp.where(near and u_j > u_i, u_j - u_i, zero))
                 left = side(u_j, p_j, rho[j], cl[j], materials[mat[j]].A_shock)

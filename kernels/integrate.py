@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import warp as wp
 
-from .parts import part_types
+from .parts import Parts, part_types, tag
 from .spec import Spec
 
 TINY_SPEED = {wp.float32: 1.0e-15, wp.float64: 1.0e-100}
@@ -22,18 +22,22 @@ class IntegrateKernels(NamedTuple):
 
 
 @functools.cache
-def make_integrate(s: Spec, exact_energy: bool = True, parts: bool = False) -> IntegrateKernels:
+def make_integrate(
+    s: Spec, exact_energy: bool = True, parts: Parts = (), constrained: bool = True
+) -> IntegrateKernels:
     """Build the kernels for one specialisation.
 
     Args:
         s: Specialisation.
         exact_energy: Section 11's centring of the velocity in the energy.
-        parts: The parts of the forces are booked one by one.
+        parts: Parts of the forces, booked one by one.
+        constrained: Some particle is fixed or driven.
     """
-    real, vec = s.real, s.vec
+    real, vec, place, point = s.real, s.vec, s.place, s.point
     half, zero, tiny = real(0.5), real(0.0), real(TINY_SPEED[s.real])
-    Accelerations, Powers = part_types(s)
-    module = s.module(__name__, "_".join(filter(None, ("explicit" * (not exact_energy), "parts" * parts))))
+    Accelerations, Powers = part_types(s, len(parts))
+    options = ("explicit" * (not exact_energy), tag(parts), "constrained" * constrained)
+    module = s.module(__name__, "_".join(filter(None, options)))
 
     @wp.func
     def flushed(v: vec, e: real):
@@ -56,7 +60,7 @@ def make_integrate(s: Spec, exact_energy: bool = True, parts: bool = False) -> I
         m: wp.array[real],
         fixed: wp.array[wp.int32],
         dt: wp.array[real],
-        x: wp.array[vec],
+        x: wp.array[point],
         # out:
         v: wp.array[vec],
         e: wp.array[real],
@@ -76,20 +80,21 @@ def make_integrate(s: Spec, exact_energy: bool = True, parts: bool = False) -> I
             return
         free = dt[0] * dvdt[i]
         dv = free
-        bits = fixed[i]
-        if bits > 0:
-            for c in range(3):
-                if (bits >> c) & 1 == 1:
-                    dv[c] = zero
-            push = m[i] * (dv - free)
-            impulse[i] = impulse[i] + push
-            twist[i] = twist[i] + wp.cross(x[i], push)
-            work[i] = work[i] + wp.dot(push, v[i] + half * dv)
+        if wp.static(constrained):
+            bits = fixed[i]
+            if bits > 0:
+                for c in range(3):
+                    if (bits >> c) & 1 == 1:
+                        dv[c] = zero
+                push = m[i] * (dv - free)
+                impulse[i] = impulse[i] + push
+                twist[i] = twist[i] + wp.cross(vec(x[i]), push)
+                work[i] = work[i] + wp.dot(push, v[i] + half * dv)
         v_new = v[i] + dv
         e_new = e[i] + dt[0] * dedt[i]
         if wp.static(exact_energy):
             e_new -= half * wp.dot(free, dv)
-        if wp.static(parts):
+        if wp.static(len(parts) > 0):
             gained = dt[0] * part_power[i]
             if wp.static(exact_energy):
                 gained -= (half * dt[0]) * (part_a[i] * dv)
@@ -105,11 +110,11 @@ def make_integrate(s: Spec, exact_energy: bool = True, parts: bool = False) -> I
         v: wp.array[vec],
         dt: wp.array[real],
         # out:
-        x: wp.array[vec],
+        x: wp.array[point],
     ):
         """x' = x + dt v': positions follow the new velocity, so that elastic waves neither grow nor decay."""
         i = wp.tid() + offset
-        x[i] = x[i] + dt[0] * v[i]
+        x[i] = x[i] + place(dt[0]) * point(v[i])
 
     @wp.kernel(module=module)
     def drift_mean(
@@ -119,7 +124,7 @@ def make_integrate(s: Spec, exact_energy: bool = True, parts: bool = False) -> I
         v_start: wp.array[vec],
         dt: wp.array[real],
         # out:
-        x: wp.array[vec],
+        x: wp.array[point],
         dvdt: wp.array[vec],
     ):
         """x' = x + dt (v + v')/2, and dvdt = (v' - v)/dt [m/s²] of the whole step, which limits the next one.
@@ -129,7 +134,7 @@ def make_integrate(s: Spec, exact_energy: bool = True, parts: bool = False) -> I
         i = wp.tid() + offset
         if dt[0] == zero:
             return
-        x[i] = x[i] + (half * dt[0]) * (v_start[i] + v[i])
+        x[i] = x[i] + place(half * dt[0]) * point(v_start[i] + v[i])
         dvdt[i] = (v[i] - v_start[i]) / dt[0]
 
     return IntegrateKernels(kick, drift, drift_mean)

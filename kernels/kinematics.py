@@ -33,10 +33,10 @@ def make_kinematics(
         separate: Neighbours of another body do not count.
         coupled: There are Lagrangian particles: their gradient is not found here, and eroded ones do not count.
     """
-    real, vec, mat = s.real, s.vec, s.mat
+    real, vec, mat, place, point = s.real, s.vec, s.mat, s.place, s.point
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    at, worth, row_end = make_lanes(s).at, make_lanes(s).worth, make_lanes(s).row_end
+    at, spot, worth, _, _, row_end, _ = make_lanes(s)
     dim, counts = s.dim, make_counts(separate, coupled)
     options = (
         smoothing.name,
@@ -51,7 +51,7 @@ def make_kinematics(
     def velocity_gradient(
         offset: wp.int32,
         # in:
-        x: wp.array2d[real],
+        x: wp.array2d[place],
         v: wp.array2d[real],
         vol: wp.array[real],
         body: wp.array[wp.int32],
@@ -60,7 +60,7 @@ def make_kinematics(
         G: wp.array2d[real],
         h: real,
         gradient_ratio: real,
-        plane: vec,
+        plane: point,
         dt: wp.array[real],
         start: wp.array[wp.int32],
         n_neigh: wp.array[wp.int32],
@@ -78,7 +78,7 @@ def make_kinematics(
         first = start[i]
         last = row_end(first, n_neigh[i])
         own = i * wp.static(int(corrected))  # K and G are one long where there is no correction
-        xi, vi = at(x, i), at(v, i)
+        xi, vi = spot(x, i), at(v, i)
         r_max2 = support * support * h * h
         # scalars, not a matrix: the compiler keeps them in registers
         xx, xy, xz = real(0.0), real(0.0), real(0.0)
@@ -88,7 +88,7 @@ def make_kinematics(
         while k < last:
             j = mirror.index(neigh[k])
             sign = mirror.sign(neigh[k])
-            xij = xi - mirror.point(at(x, j), sign, plane)
+            xij = mirror.apart(xi, spot(x, j), sign, plane)
             r2 = tensor.dot(xij, xij)
             near = r2 < r_max2 and neigh[k] != i
             if wp.static(separate or coupled):

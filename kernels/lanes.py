@@ -21,6 +21,7 @@ class Lanes(NamedTuple):
     """Device functions of this file, and the type that `raised` works on."""
 
     at: wp.Function
+    spot: wp.Function
     worth: wp.Function
     raised: wp.Function
     value: wp.Function
@@ -31,13 +32,18 @@ class Lanes(NamedTuple):
 @functools.cache
 def make_lanes(s: Spec) -> Lanes:
     """Build the functions for one specialisation."""
-    real, vec, lanes = s.real, s.vec, s.lanes
+    real, vec, place, point, lanes = s.real, s.vec, s.place, s.point, s.lanes
     Bits = wp.int32 if real is wp.float32 else wp.int64
 
     @wp.func
     def at(a: wp.array2d[real], i: wp.int32):
         """a_i of an array of vectors, given as one of their components."""
         return vec(a[i, 0], a[i, 1], a[i, 2])
+
+    @wp.func
+    def spot(x: wp.array2d[place], i: wp.int32):
+        """x_i of an array of positions, likewise."""
+        return point(x[i, 0], x[i, 1], x[i, 2])
 
     if lanes == 1:
 
@@ -69,4 +75,4 @@ def make_lanes(s: Spec) -> Lanes:
         """One past the last entry of a row of n neighbours, filled up to a multiple of the lanes."""
         return first + (n + wp.static(lanes - 1)) / wp.static(lanes) * wp.static(lanes)
 
-    return Lanes(at, worth, raised, value, row_end, Bits)
+    return Lanes(at, spot, worth, raised, value, row_end, Bits)

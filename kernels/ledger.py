@@ -1,10 +1,11 @@
 """Conserved quantities and extremes of all particles, as one partial sum per block, in double precision."""
 
 import functools
+from typing import Any
 
 import warp as wp
 
-from .parts import PARTS, part_types
+from .parts import PARTS, Parts, part_types, tag
 from .spec import Spec
 
 SUMS = (
@@ -24,27 +25,34 @@ MAXIMA = ("pressure_max", "tension_max", "speed_max", "density_max", "rarefactio
 
 
 @functools.cache
-def make_ledger(s: Spec) -> wp.Kernel:
-    """Build the kernel for one precision."""
-    real, vec = s.real, s.vec
+def make_ledger(s: Spec, parts: Parts = (), constrained: bool = True) -> wp.Kernel:
+    """Build the kernel for one precision.
+
+    Args:
+        s: Specialisation.
+        parts: Parts of the forces that the run keeps apart; the columns of others are left as they are.
+        constrained: Some particle is fixed or driven; else the columns of constraints are zero.
+    """
+    real, vec, point = s.real, s.vec, s.point
     d = wp.float64
     vec3 = wp.types.vector(3, d)
-    _, Powers = part_types(s)
-    n_parts, first_part = len(PARTS), len(SUMS) - len(PARTS)
-    Parts = wp.types.vector(len(PARTS), d)
+    _, Powers = part_types(s, len(parts))
+    n_parts, first_part = len(parts), len(SUMS) - len(PARTS)
+    Booked = wp.types.vector(max(n_parts, 1), d)
+    module = s.module(__name__, "_".join(filter(None, (tag(parts), "constrained" * constrained))))
     vec6 = wp.types.vector(len(MAXIMA), d)
     half, lowest = d(0.5), d(-1.0e300)
     n_sums, n_maxima = len(SUMS), len(MAXIMA)
 
     @wp.func
-    def wide(a: vec):
+    def wide(a: Any):
         return vec3(d(a[0]), d(a[1]), d(a[2]))
 
-    @wp.kernel(module=s.module(__name__))
+    @wp.kernel(module=module)
     def ledger(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
+        x: wp.array[point],
         v: wp.array[vec],
         m: wp.array[real],
         e: wp.array[real],
@@ -64,7 +72,7 @@ def make_ledger(s: Spec) -> wp.Kernel:
         b = wp.tid() + offset
         kinetic, internal, worked, clips = d(0.0), d(0.0), d(0.0), d(0.0)
         momentum, spin, push, turn = vec3(), vec3(), vec3(), vec3()
-        parts = Parts()
+        booked = Booked()
         top = vec6(lowest, lowest, lowest, lowest, lowest, lowest)
         for k in range(chunk):
             i = b * chunk + k
@@ -74,12 +82,13 @@ def make_ledger(s: Spec) -> wp.Kernel:
                 internal += mi * d(e[i])
                 momentum += mi * vi
                 spin += wp.cross(wide(x[i]), mi * vi)
-                push += wide(impulse[i])
-                turn += wide(twist[i])
-                worked += d(work[i])
+                if wp.static(constrained):
+                    push += wide(impulse[i])
+                    turn += wide(twist[i])
+                    worked += d(work[i])
                 clips += d(clipped[i])
                 for c in range(wp.static(n_parts)):
-                    parts[c] += mi * d(e_parts[i][c])
+                    booked[c] += mi * d(e_parts[i][c])
                 top[0] = wp.max(top[0], d(p[i]))
                 top[1] = wp.max(top[1], -d(p[i]))
                 top[2] = wp.max(top[2], wp.length(vi))
@@ -96,7 +105,7 @@ def make_ledger(s: Spec) -> wp.Kernel:
         partial[b, 14] = worked
         partial[b, 15] = clips
         for c in range(wp.static(n_parts)):
-            partial[b, wp.static(first_part) + c] = parts[c]
+            partial[b, wp.static(first_part) + wp.static(parts[c])] = booked[c]
         for c in range(wp.static(n_maxima)):
             partial[b, wp.static(n_sums) + c] = top[c]
 

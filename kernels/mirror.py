@@ -21,14 +21,16 @@ class Mirror(NamedTuple):
     index: wp.Function
     sign: wp.Function
     point: wp.Function
+    apart: wp.Function
     vector: wp.Function
     tensor: wp.Function
+    symmetric: wp.Function
 
 
 @functools.cache
 def make_mirror(s: Spec, planes: bool) -> Mirror:
     """Build the functions; without ``planes`` they hand their argument through."""
-    real, vec, mat = s.real, s.vec, s.mat
+    real, vec, mat, sym, position = s.real, s.vec, s.mat, s.sym, s.point
     low = wp.constant((1 << INDEX_BITS) - 1)
 
     @wp.func
@@ -43,7 +45,7 @@ def make_mirror(s: Spec, planes: bool) -> Mirror:
             return vec(real(1.0), real(1.0), real(1.0))
 
         @wp.func
-        def point(x: vec, s: vec, plane: vec):
+        def point(x: position, s: vec, plane: position):
             return x
 
         @wp.func
@@ -53,6 +55,10 @@ def make_mirror(s: Spec, planes: bool) -> Mirror:
         @wp.func
         def tensor(T: mat, s: vec):
             return T
+
+        @wp.func
+        def symmetric(S: sym, s: vec):
+            return S
 
     else:
 
@@ -67,8 +73,8 @@ def make_mirror(s: Spec, planes: bool) -> Mirror:
             return vec(bit(entry, 0), bit(entry, 1), bit(entry, 2))
 
         @wp.func
-        def point(x: vec, s: vec, plane: vec):
-            return wp.cw_mul(s, x - plane) + plane
+        def point(x: position, s: vec, plane: position):
+            return wp.cw_mul(position(s), x - plane) + plane
 
         @wp.func
         def vector(v: vec, s: vec):
@@ -78,4 +84,13 @@ def make_mirror(s: Spec, planes: bool) -> Mirror:
         def tensor(T: mat, s: vec):
             return wp.cw_mul(T, wp.outer(s, s))
 
-    return Mirror(index, sign, point, vector, tensor)
+        @wp.func
+        def symmetric(S: sym, s: vec):
+            return sym(S[0], S[1], S[2], s[0] * s[1] * S[3], s[1] * s[2] * S[4], s[0] * s[2] * S[5])
+
+    @wp.func
+    def apart(x_i: position, x_j: position, s: vec, plane: position):
+        """x_i less the image of x_j [m], rounded from the precision of positions once."""
+        return vec(x_i - point(x_j, s, plane))
+
+    return Mirror(index, sign, point, apart, vector, tensor, symmetric)

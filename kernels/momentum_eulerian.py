@@ -9,7 +9,8 @@ from .correction import make_gradient
 from .coupling import ALL, ARTIFICIAL_STRESS, FORCE, PURE, Coupling, make_coupling
 from .lanes import make_lanes
 from .mirror import make_mirror
-from .parts import ARTIFICIAL, VISCOUS, part_types
+from .parts import ARTIFICIAL, VISCOUS, Parts, part_types
+from .parts import tag as tag_of
 from .smoothing import Smoothing
 from .spec import Spec
 from .tensor import make_tensor
@@ -26,6 +27,7 @@ class PairTerms:
         artificial_stress: Gray et al.'s term.
         planes: Neighbour entries may be mirror images.
         coupling: What pairs of two kernel types, or of two bodies, share.
+        parts: Parts of the forces that the run keeps apart.
     """
 
     corrected: bool
@@ -33,25 +35,27 @@ class PairTerms:
     artificial_stress: bool
     planes: bool
     coupling: Coupling = PURE
+    parts: Parts = (VISCOUS,)
 
     @property
     def tag(self) -> str:
         """Short name of the combination."""
         flags = [name for name, on in vars(self).items() if on is True]
-        return "_".join(filter(None, [*flags, self.coupling.tag]))
+        return "_".join(filter(None, [*flags, self.coupling.tag, tag_of(self.parts)]))
 
 
 @functools.cache
 def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
     """Build the momentum and energy loop for one set of terms."""
-    real, vec, mat = s.real, s.vec, s.mat
+    real, vec, mat, place, point = s.real, s.vec, s.mat, s.place, s.point
     mirror, tensor, of_pair = make_mirror(s, terms.planes), make_tensor(s), make_gradient(s, terms.corrected)
     viscosity, terms_of = make_viscosity(s), make_coupling(s, terms.coupling)
-    Accelerations, Powers = part_types(s)
+    Accelerations, Powers = part_types(s, len(terms.parts))
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    dot, product = tensor.dot, tensor.product
-    at, worth, raised, value, row_end, Bits = make_lanes(s)
+    dot, act = tensor.dot, tensor.act
+    at, spot, worth, raised, value, row_end, Bits = make_lanes(s)
     switched, stressed = terms.switched, terms.artificial_stress
+    viscous, artificial = (terms.parts.index(p) if p in terms.parts else 0 for p in (VISCOUS, ARTIFICIAL))
     half = real(0.5)
     dim, on, coupled = s.dim, wp.constant(int(terms.corrected)), bool(terms.coupling.form)
     shared = bool(terms.coupling.tag)  # a pair may lack some of the terms
@@ -60,18 +64,18 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
     def momentum(
         offset: wp.int32,
         # in:
-        x: wp.array2d[real],
-        X: wp.array2d[real],
+        x: wp.array2d[place],
+        X: wp.array2d[place],
         v: wp.array2d[real],
         m: wp.array[real],
         rho: wp.array[real],
         vol: wp.array[real],
         cs: wp.array[real],
-        sig: wp.array[mat],
+        sig: wp.array[s.sym],
         body: wp.array[wp.int32],
         kernel_type: wp.array[wp.int32],
         av_switch: wp.array[real],
-        R: wp.array[mat],
+        R: wp.array[s.sym],
         K: wp.array[mat],
         G: wp.array2d[real],
         h: real,
@@ -79,7 +83,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         gradient_ratio: real,
         viscosity_alpha: real,
         viscosity_beta: real,
-        plane: vec,
+        plane: point,
         dt: wp.array[real],
         start: wp.array[wp.int32],
         n_neigh: wp.array[wp.int32],
@@ -102,7 +106,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         first = start[i]
         last = row_end(first, n_neigh[i])
         own = i * on  # K and G are one long where there is no correction
-        xi, vi, sig_i = at(x, i), at(v, i), sig[i]
+        xi, vi, sig_i = spot(x, i), at(v, i), sig[i]
         m_i, rho_i, cs_i, vol_i = m[i], rho[i], cs[i], vol[i]
         areal_i = m_i / vol_i
         r_max2 = support * support * h * h
@@ -118,14 +122,14 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         while k < last:
             j = mirror.index(neigh[k])
             sign = mirror.sign(neigh[k])
-            xij = xi - mirror.point(at(x, j), sign, plane)
+            xij = mirror.apart(xi, spot(x, j), sign, plane)
             r2 = dot(xij, xij)
             near = r2 < r_max2 and neigh[k] != i
             if worth(near):
                 if wp.static(shared):
                     Xij = vec()
                     if wp.static(coupled):
-                        Xij = at(X, i) - mirror.point(at(X, j), sign, plane)
+                        Xij = mirror.apart(spot(X, i), spot(X, j), sign, plane)
                     bits = terms_of(kernel_type[i], kernel_type[j], body[i] == body[j], Xij, support * h)
                 r = wp.sqrt(r2)
                 dw = wp.where(near, dw_r(r, h), real(0.0))
@@ -149,8 +153,8 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                     g_mean = half * (g_ji - g_ij)
                 pair_mass = m[j] * areal_i
                 if (bits & wp.static(FORCE)) != 0:
-                    inner = product(sig_i, g_ij)
-                    stress = vol[j] * (inner - product(mirror.tensor(sig[j], sign), g_ji))
+                    inner = act(sig_i, g_ij)
+                    stress = vol[j] * (inner - act(mirror.symmetric(sig[j], sign), g_ji))
                     power += vol[j] * dot(vji, inner)
                     f_x += stress[0]
                     if wp.static(dim > 1):
@@ -176,11 +180,11 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                     if wp.static(dim > 2):
                         visc_z += drag[2]
                 if wp.static(stressed):
-                    R_ij = R[i] + mirror.tensor(R[j], sign)
+                    R_ij = R[i] + mirror.symmetric(R[j], sign)
                     # zero, unless one of the two is in tension
-                    if (bits & wp.static(ARTIFICIAL_STRESS)) != 0 and wp.trace(R_ij) < real(0.0):
+                    if (bits & wp.static(ARTIFICIAL_STRESS)) != 0 and tensor.trace(R_ij) < real(0.0):
                         f = w(r, h) * w_spacing
-                        push = (-pair_mass * (f * f * f * f)) * product(R_ij, g_mean)
+                        push = (-pair_mass * (f * f * f * f)) * act(R_ij, g_mean)
                         art_power += dot(vji, push)
                         art_x += push[0]
                         if wp.static(dim > 1):
@@ -192,10 +196,11 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         dvdt[i] = per_mass * vec(f_x + visc_x + art_x, f_y + visc_y + art_y, f_z + visc_z + art_z)
         dedt[i] = per_mass * (power + half * (visc_power + art_power))
         a, powers = Accelerations(), Powers()
-        powers[wp.static(VISCOUS)] = per_mass * half * visc_power
-        powers[wp.static(ARTIFICIAL)] = per_mass * half * art_power
-        a[wp.static(VISCOUS)] = per_mass * vec(visc_x, visc_y, visc_z)
-        a[wp.static(ARTIFICIAL)] = per_mass * vec(art_x, art_y, art_z)
+        powers[wp.static(viscous)] = per_mass * half * visc_power
+        a[wp.static(viscous)] = per_mass * vec(visc_x, visc_y, visc_z)
+        if wp.static(stressed):
+            powers[wp.static(artificial)] = per_mass * half * art_power
+            a[wp.static(artificial)] = per_mass * vec(art_x, art_y, art_z)
         part_a[i] = a
         part_power[i] = powers
         mu[i] = value(mu_top)

@@ -8,7 +8,8 @@ import warp as wp
 from .hourglass import make_hourglass
 from .kernel_type import ERODED, LAGRANGIAN
 from .mirror import make_mirror
-from .parts import HOURGLASS, VISCOUS, part_types
+from .parts import HOURGLASS, VISCOUS, Parts, part_types
+from .parts import tag as tag_of
 from .smoothing import Smoothing
 from .spec import Spec
 from .tensor import make_tensor
@@ -27,6 +28,7 @@ class LagrangianTerms:
         mutual: The force of a pair of both types acts on its Eulerian member too: the conservative coupling.
         sheet: Plane stress: the thickness changes.
         planes: Neighbour entries may be mirror images.
+        parts: Parts of the forces that the run keeps apart.
     """
 
     corrected: bool
@@ -36,19 +38,22 @@ class LagrangianTerms:
     mutual: bool
     sheet: bool
     planes: bool
+    parts: Parts = (VISCOUS,)
 
     @property
     def tag(self) -> str:
         """Short name of the combination."""
-        return "_".join(name for name, on in vars(self).items() if on)
+        flags = [name for name, on in vars(self).items() if on is True]
+        return "_".join(filter(None, [*flags, tag_of(self.parts)]))
 
 
 @functools.cache
 def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTerms) -> wp.Kernel:
     """Build the momentum and energy loop for one set of terms."""
-    real, vec, matrix = s.real, s.vec, s.mat
+    real, vec, matrix, point = s.real, s.vec, s.mat, s.point
     mirror, tensor, viscosity = make_mirror(s, terms.planes), make_tensor(s), make_viscosity(s)
-    Accelerations, Powers = part_types(s)
+    Accelerations, Powers = part_types(s, len(terms.parts))
+    viscous, zero_energy = (terms.parts.index(p) if p in terms.parts else 0 for p in (VISCOUS, HOURGLASS))
     restoring, w = make_hourglass(s), smoothing.w
     dot, product, half, zero, dim = tensor.dot, tensor.product, real(0.5), real(0.0), s.dim
     coupled, controlled = terms.coupled, terms.hourglass
@@ -69,8 +74,8 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
     def momentum_lagrangian(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
-        X: wp.array[vec],
+        x: wp.array[point],
+        X: wp.array[point],
         v: wp.array[vec],
         m: wp.array[real],
         vol0: wp.array[real],
@@ -90,7 +95,7 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
         hourglass: real,
         viscosity_alpha: real,
         viscosity_beta: real,
-        plane: vec,
+        plane: point,
         dt: wp.array[real],
         start0: wp.array[wp.int32],
         n_neigh0: wp.array[wp.int32],
@@ -136,7 +141,7 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                 if not lagrangian and kernel_type[j] != LAGRANGIAN:
                     continue
             sign = mirror.sign(neigh0[k])
-            own = slope0[k] * (X[i] - mirror.point(X[j], sign, plane))
+            own = slope0[k] * mirror.apart(X[i], X[j], sign, plane)
             back = -own
             if wp.static(terms.corrected):
                 own -= w0[k] * G0[i]
@@ -157,7 +162,7 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                         f_y += inner[1]
                     if wp.static(dim > 2):
                         f_z += inner[2]
-            xij = xi - mirror.point(x[j], sign, plane)
+            xij = mirror.apart(xi, x[j], sign, plane)
             closing = -dot(vji, xij)
             if closing < zero:
                 mu_ij = viscosity.approach(closing, dot(xij, xij), h)
@@ -174,7 +179,7 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                 if wp.static(dim > 2):
                     visc_z += drag[2]
             if wp.static(controlled):
-                Xij = X[i] - mirror.point(X[j], sign, plane)
+                Xij = mirror.apart(X[i], X[j], sign, plane)
                 r0, r = wp.sqrt(dot(Xij, Xij)), wp.sqrt(dot(xij, xij))
                 E_i, E_j = stiffness[mat[i]], stiffness[mat[j]]
                 size = restoring(Xij, xij, F[i], mirror.tensor(F[j], sign), w(r0, h), hourglass, E_i, E_j)
@@ -200,10 +205,11 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
             mu_max = wp.max(mu_max, mu[i])
         dvdt[i] = dv + per_mass * vec(f_x + visc_x + zero_x, f_y + visc_y + zero_y, f_z + visc_z + zero_z)
         dedt[i] = de + per_mass * (power + half * (visc_power + zero_power))
-        powers[wp.static(VISCOUS)] = powers[wp.static(VISCOUS)] + per_mass * half * visc_power
-        powers[wp.static(HOURGLASS)] = per_mass * half * zero_power
-        a[wp.static(VISCOUS)] = a[wp.static(VISCOUS)] + per_mass * vec(visc_x, visc_y, visc_z)
-        a[wp.static(HOURGLASS)] = per_mass * vec(zero_x, zero_y, zero_z)
+        powers[wp.static(viscous)] = powers[wp.static(viscous)] + per_mass * half * visc_power
+        a[wp.static(viscous)] = a[wp.static(viscous)] + per_mass * vec(visc_x, visc_y, visc_z)
+        if wp.static(controlled):
+            powers[wp.static(zero_energy)] = per_mass * half * zero_power
+            a[wp.static(zero_energy)] = per_mass * vec(zero_x, zero_y, zero_z)
         part_a[i] = a
         part_power[i] = powers
         mu[i] = mu_max

@@ -11,9 +11,6 @@ from .mirror import INDEX_BITS, make_mirror
 from .spec import Spec
 from .tensor import make_tensor
 
-SLACK = 16
-"""Spare places of every row."""
-
 
 class NeighbourKernels(NamedTuple):
     """Kernels of this file."""
@@ -35,7 +32,7 @@ def make_neighbours(
         same_body: Particles of another body are no neighbours.
         selective: Only particles of a role have a row, and eroded ones are nobody's neighbours.
     """
-    real, vec = s.real, s.vec
+    real, vec, place, point = s.real, s.vec, s.place, s.point
     mirror, dot = make_mirror(s, planes), make_tensor(s).dot
     options = ("planes" * planes, "same_body" * same_body, "selective" * selective)
     module = s.module(__name__, "_".join(filter(None, options)))
@@ -50,18 +47,17 @@ def make_neighbours(
 
     row_end = make_lanes(s).row_end
     masks = wp.constant(8 if planes else 1)
-    slack = wp.constant(SLACK)
 
     @wp.kernel(module=module)
     def fill(
         offset: wp.int32,
         # in:
         grid: wp.uint64,
-        x: wp.array[vec],
+        x: wp.array[point],
         body: wp.array[wp.int32],
         kernel_type: wp.array[wp.int32],
         role: wp.array[wp.int32],
-        plane: vec,
+        plane: point,
         plane_mask: wp.int32,
         radius: real,
         start: wp.array[wp.int32],
@@ -86,10 +82,10 @@ def make_neighbours(
         for mask in range(masks):
             if (mask & plane_mask) == mask:
                 xi = mirror.point(x[i], mirror.sign(mask << INDEX_BITS), plane)
-                for j in wp.hash_grid_query(grid, xi, radius):
+                for j in wp.hash_grid_query(grid, xi, place(radius)):
                     if n < room:
                         neigh[first + n] = j | (mask << INDEX_BITS)
-                    xij = xi - x[j]
+                    xij = vec(xi - x[j])
                     near = dot(xij, xij) < radius * radius and (j != i or mask > 0)
                     if wp.static(same_body or selective):
                         near = near and fits(body[i], body[j], kernel_type[j])
@@ -107,14 +103,14 @@ def make_neighbours(
         offset: wp.int32,
         # in:
         n_neigh: wp.array[wp.int32],
-        lasting: wp.int32,
+        divisor: wp.int32,
+        spare: wp.int32,
         # out:
         room: wp.array[wp.int32],
     ):
-        """Give every row half as much again as it needs now, and `SLACK` places; one place where it is ``lasting``."""
+        """Give a row what it needs now, a share of that, and ``spare`` places, at least one (see `fill`)."""
         i = wp.tid() + offset
-        n = wp.where(lasting == 1, n_neigh[i] + 1, n_neigh[i] + n_neigh[i] / 2 + slack)
-        room[i] = row_end(0, n)
+        room[i] = row_end(0, n_neigh[i] + n_neigh[i] / divisor + spare)
 
     @wp.kernel(module=module)
     def cell_order(

@@ -20,7 +20,7 @@ from .tensor import make_tensor
 @functools.cache
 def make_reference(s: Spec, smoothing: Smoothing, corrected: bool, planes: bool) -> wp.Kernel:
     """Build the kernel that fills the rows."""
-    real, vec = s.real, s.vec
+    real, vec, point = s.real, s.vec, s.point
     mirror, dot = make_mirror(s, planes), make_tensor(s).dot
     w, dw_r = smoothing.w, smoothing.dw_r
     options = (smoothing.name, "corrected" * corrected, "planes" * planes)
@@ -29,12 +29,12 @@ def make_reference(s: Spec, smoothing: Smoothing, corrected: bool, planes: bool)
     def reference_pairs(
         offset: wp.int32,
         # in:
-        X: wp.array[vec],
+        X: wp.array[point],
         vol0: wp.array[real],
         kernel_type: wp.array[wp.int32],
         G0: wp.array[vec],
         h: real,
-        plane: vec,
+        plane: point,
         dt: wp.array[real],
         start0: wp.array[wp.int32],
         n_neigh0: wp.array[wp.int32],
@@ -51,7 +51,7 @@ def make_reference(s: Spec, smoothing: Smoothing, corrected: bool, planes: bool)
         sum_s, sum_w = vec(), real(0.0)
         for k in range(start0[i], start0[i] + n_neigh0[i]):
             j = mirror.index(neigh0[k])
-            Xij = X[i] - mirror.point(X[j], mirror.sign(neigh0[k]), plane)
+            Xij = mirror.apart(X[i], X[j], mirror.sign(neigh0[k]), plane)
             r, V_j = wp.sqrt(dot(Xij, Xij)), real(vol0[j])
             if kernel_type[j] == ERODED:
                 V_j = real(0.0)

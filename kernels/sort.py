@@ -4,14 +4,16 @@ import functools
 
 import warp as wp
 
-from .parts import part_types
+from .parts import PARTS, part_types
 from .spec import Spec
 
 
 @functools.cache
 def make_sort(s: Spec) -> dict[type, wp.Kernel]:
     """Build one gather kernel per element type of the state."""
-    return {dtype: _gather(s, dtype) for dtype in (wp.int32, s.real, s.vec, s.mat, part_types(s).power)}
+    parts = (part_types(s, count + 1).power for count in range(len(PARTS)))
+    kinds = dict.fromkeys((wp.int32, s.real, s.vec, s.point, s.mat, s.sym, *parts))  # in this order
+    return {dtype: _gather(s, dtype) for dtype in kinds}
 
 
 def _gather(s: Spec, element: type) -> wp.Kernel:

@@ -1,4 +1,4 @@
-"""What a kernel is specialised for: the space dimension and the scalar type."""
+"""What a kernel is specialised for: the space dimension and the scalar types."""
 
 import functools
 from dataclasses import dataclass
@@ -18,19 +18,27 @@ one at a time, for rows are short."""
 
 @dataclass(frozen=True)
 class Spec:
-    """A specialisation: the space dimension of the problem and the scalar type of its arithmetic.
+    """A specialisation: the space dimension of the problem and the scalar types of its arithmetic.
 
     Vectors and tensors always have three components (plane strain in 2D, uniaxial strain in 1D).
+    Positions may be finer than the rest: their differences then keep all digits of ``real`` however far from the
+    origin the particles are.
 
     Attributes:
         dim: Space dimension: 1, 2 or 3.
         real: ``wp.float32`` or ``wp.float64``.
+        place: Scalar type of positions; that of ``real`` if not given.
         lanes: Pairs that a loop handles at once: `LANES` on a CPU, 1 on a GPU, whose threads are its lanes (see `lanes`).
     """
 
     dim: int
     real: type
+    place: type | None = None
     lanes: int = LANES
+
+    def __post_init__(self):
+        """Give positions the type of everything else, unless they have their own."""
+        object.__setattr__(self, "place", self.place or self.real)
 
     @functools.cached_property
     def vec(self) -> type:
@@ -38,14 +46,25 @@ class Spec:
         return wp.types.vector(3, self.real)
 
     @functools.cached_property
+    def point(self) -> type:
+        """Position type, three components of ``place``; `vec` where that is ``real``."""
+        return wp.types.vector(3, self.place)
+
+    @functools.cached_property
     def mat(self) -> type:
         """Second-order tensor type, 3x3 components of ``real``."""
         return wp.types.matrix((3, 3), self.real)
 
+    @functools.cached_property
+    def sym(self) -> type:
+        """Symmetric tensor as it is stored: xx, yy, zz, xy, yz, xz."""
+        return wp.types.vector(6, self.real)
+
     @property
     def tag(self) -> str:
-        """Short name, for example ``3d_f32``."""
-        return f"{self.dim}d_f{32 if self.real is wp.float32 else 64}" + "_gpu" * (self.lanes == 1)
+        """Short name: ``3d_f32``, ``3d_f64`` or ``3d_mixed``, and of those on a GPU ``3d_f32_gpu``."""
+        own = "mixed" if self.place is not self.real else "f32" if self.real is wp.float32 else "f64"
+        return f"{self.dim}d_{own}" + "_gpu" * (self.lanes == 1)
 
     def module(self, file: str, variant: str = "", lanes: bool = False) -> str:
         """Name the Warp module that holds the kernels of ``file`` at this specialisation.

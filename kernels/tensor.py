@@ -1,7 +1,7 @@
 """Small vector and tensor algebra that knows which components move.
 
 Storage is always three-dimensional; sums over components stop at the problem's dimension, which keeps
-pair loops in 1D and 2D from multiplying zeros.
+pair loops in 1D and 2D from multiplying zeros. A stress is stored as the six numbers of a symmetric tensor.
 """
 
 import functools
@@ -17,6 +17,10 @@ class Tensor(NamedTuple):
 
     dot: wp.Function
     product: wp.Function
+    act: wp.Function
+    trace: wp.Function
+    pack: wp.Function
+    unpack: wp.Function
     quadratic: wp.Function
     stretch: wp.Function
     rotate: wp.Function
@@ -28,7 +32,7 @@ class Tensor(NamedTuple):
 @functools.cache
 def make_tensor(s: Spec) -> Tensor:
     """Build the functions for one specialisation."""
-    real, vec, mat, dim = s.real, s.vec, s.mat, s.dim
+    real, vec, mat, sym, dim = s.real, s.vec, s.mat, s.sym, s.dim
 
     if dim == 1:
 
@@ -39,6 +43,11 @@ def make_tensor(s: Spec) -> Tensor:
         @wp.func
         def product(A: mat, b: vec):
             return vec(A[0, 0] * b[0], real(0.0), real(0.0))
+
+        @wp.func
+        def act(S: sym, b: vec):
+            """S b of a symmetric tensor."""
+            return vec(S[0] * b[0], real(0.0), real(0.0))
 
         @wp.func
         def quadratic(A: mat, b: vec):
@@ -55,6 +64,11 @@ def make_tensor(s: Spec) -> Tensor:
             return vec(A[0, 0] * b[0] + A[0, 1] * b[1], A[1, 0] * b[0] + A[1, 1] * b[1], real(0.0))
 
         @wp.func
+        def act(S: sym, b: vec):
+            """S b of a symmetric tensor."""
+            return vec(S[0] * b[0] + S[3] * b[1], S[3] * b[0] + S[1] * b[1], real(0.0))
+
+        @wp.func
         def quadratic(A: mat, b: vec):
             return A[0, 0] * (b[0] * b[0]) + (A[0, 1] + A[1, 0]) * (b[0] * b[1]) + A[1, 1] * (b[1] * b[1])
 
@@ -69,8 +83,32 @@ def make_tensor(s: Spec) -> Tensor:
             return A * b
 
         @wp.func
+        def act(S: sym, b: vec):
+            """S b of a symmetric tensor."""
+            return vec(
+                S[0] * b[0] + S[3] * b[1] + S[5] * b[2],
+                S[3] * b[0] + S[1] * b[1] + S[4] * b[2],
+                S[5] * b[0] + S[4] * b[1] + S[2] * b[2],
+            )
+
+        @wp.func
         def quadratic(A: mat, b: vec):
             return wp.dot(b, A * b)
+
+    @wp.func
+    def trace(S: sym):
+        """tr S of a symmetric tensor."""
+        return S[0] + S[1] + S[2]
+
+    @wp.func
+    def pack(T: mat):
+        """The six numbers of a symmetric tensor, from its upper triangle."""
+        return sym(T[0, 0], T[1, 1], T[2, 2], T[0, 1], T[1, 2], T[0, 2])
+
+    @wp.func
+    def unpack(S: sym):
+        """The symmetric tensor of six numbers."""
+        return mat(S[0], S[3], S[5], S[3], S[1], S[4], S[5], S[4], S[2])
 
     @wp.func
     def stretch(L: mat):
@@ -95,7 +133,9 @@ def make_tensor(s: Spec) -> Tensor:
         """|curl v| of the velocity gradient [1/s]."""
         return wp.length(vec(L[2, 1] - L[1, 2], L[0, 2] - L[2, 0], L[1, 0] - L[0, 1]))
 
-    return Tensor(dot, product, quadratic, stretch, rotate, deviator, von_mises, curl)
+    return Tensor(
+        dot, product, act, trace, pack, unpack, quadratic, stretch, rotate, deviator, von_mises, curl
+    )
 
 
 def _rotation(s: Spec) -> wp.Function:

@@ -31,7 +31,7 @@ class TileKernels(NamedTuple):
 @functools.cache
 def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
     """Build the kernels for one specialisation; ``selective``: there are Lagrangian particles."""
-    real, vec = s.real, s.vec
+    real, vec, place, point = s.real, s.vec, s.place, s.point
     module = s.module(__name__, "selective" * selective)
 
     @wp.func
@@ -40,15 +40,20 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
         return wp.min(first, others_first) != wp.max(last, others_last)
 
     @wp.func
-    def cell(c: real, width: real):
-        return wp.int32(wp.floor(wp.clamp(c / width, real(-1.0e9), real(1.0e9))))
+    def between(low: point, high: point, others_low: point, others_high: point):
+        """Gap between two boxes along each axis [m], 0 where they overlap."""
+        return vec(wp.max(wp.max(others_low - high, low - others_high), point()))
+
+    @wp.func
+    def cell(c: place, width: place):
+        return wp.int32(wp.floor(wp.clamp(c / width, place(-1.0e9), place(1.0e9))))
 
     @wp.kernel(module=module)
     def keys(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
-        width: real,
+        x: wp.array[point],
+        width: place,
         # out:
         key: wp.array[wp.int32],
         member: wp.array[wp.int32],
@@ -85,38 +90,42 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
         head: wp.array[wp.int32],
         number: wp.array[wp.int32],
         n: wp.int32,
+        most: wp.int32,
         # out:
         tile_start: wp.array[wp.int32],
         n_tiles: wp.array[wp.int32],
     ):
-        """First place of every tile in the list of members; ``number`` is the inclusive sum of ``head``."""
+        """First place of every tile in the list of members; ``number`` is the inclusive sum of ``head``.
+
+        ``tile_start`` has room for ``most`` tiles: of more only their number is told.
+        """
         k = wp.tid() + offset
-        if head[k] == 1:
+        if head[k] == 1 and number[k] <= most:
             tile_start[number[k] - 1] = k
         if k == n - 1:
-            tile_start[number[k]] = n
+            tile_start[wp.min(number[k], most)] = n
             n_tiles[0] = number[k]
 
     @wp.kernel(module=module)
     def boxes(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
+        x: wp.array[point],
         tile_start: wp.array[wp.int32],
         member: wp.array[wp.int32],
         n_tiles: wp.array[wp.int32],
-        plane: vec,
+        plane: point,
         plane_mask: wp.int32,
         # out:
-        box_low: wp.array[vec],
-        box_high: wp.array[vec],
+        box_low: wp.array[point],
+        box_high: wp.array[point],
     ):
         """Bounding box of a tile's particles [m], stretched to a symmetry plane where there is one: it holds the images' too."""
         t = wp.tid() + offset
         if t >= n_tiles[0]:
             return
         first = member[tile_start[t]]
-        low, high = vec(x[first]), vec(x[first])
+        low, high = point(x[first]), point(x[first])
         for k in range(tile_start[t], tile_start[t + 1]):
             low, high = wp.min(low, x[member[k]]), wp.max(high, x[member[k]])
         for c in range(3):
@@ -159,8 +168,8 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
     def roles(
         offset: wp.int32,
         # in:
-        box_low: wp.array[vec],
-        box_high: wp.array[vec],
+        box_low: wp.array[point],
+        box_high: wp.array[point],
         active: wp.array[wp.int32],
         body_first: wp.array[wp.int32],
         body_last: wp.array[wp.int32],
@@ -182,7 +191,7 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
         for u in range(n_tiles[0]):
             if found == 0:
                 if active[u] == 1 or strangers(body_first[t], body_last[t], body_first[u], body_last[u]):
-                    gap = wp.max(wp.max(box_low[u] - box_high[t], box_low[t] - box_high[u]), vec())
+                    gap = between(box_low[t], box_high[t], box_low[u], box_high[u])
                     if wp.dot(gap, gap) < radius * radius:
                         found = 1
         tile_role[t] = found
@@ -193,8 +202,8 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
     def motion(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
-        x_listed: wp.array[vec],
+        x: wp.array[point],
+        x_listed: wp.array[point],
         tile_start: wp.array[wp.int32],
         member: wp.array[wp.int32],
         n_tiles: wp.array[wp.int32],
@@ -210,7 +219,7 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
         low, high = vec(real(1.0e30)), vec(real(-1.0e30))
         for k in range(tile_start[t], tile_start[t + 1]):
             i = member[k]
-            moved = x[i] - x_listed[i]
+            moved = vec(x[i] - x_listed[i])
             low, high = wp.min(low, moved), wp.max(high, moved)
         for c in range(3):
             if (plane_mask >> c) & 1 == 1:  # an image moves the other way
@@ -224,8 +233,8 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
     def wear(
         offset: wp.int32,
         # in:
-        box_low: wp.array[vec],
-        box_high: wp.array[vec],
+        box_low: wp.array[point],
+        box_high: wp.array[point],
         moved_low: wp.array[vec],
         moved_high: wp.array[vec],
         tile_role: wp.array[wp.int32],
@@ -259,7 +268,7 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
             nearer = wp.max(high - moved_low[u], moved_high[u] - low)
             n2 = wp.dot(nearer, nearer)
             if n2 > worst * skin2:  # otherwise no gap can make it the worst
-                gap = wp.max(wp.max(box_low[u] - to, at - box_high[u]), vec())
+                gap = between(at, to, box_low[u], box_high[u])
                 apart = wp.max(radius, wp.length(gap)) - support
                 worst = wp.max(worst, n2 / (apart * apart))
         tile_wear[t] = wp.sqrt(worst)

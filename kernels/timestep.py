@@ -33,19 +33,23 @@ class TimestepKernels(NamedTuple):
 
 
 @functools.cache
-def make_timestep(s: Spec, lagrangian: bool = False, contact: bool = False) -> TimestepKernels:
+def make_timestep(
+    s: Spec, lagrangian: bool = False, contact: bool = False, switched: bool = False
+) -> TimestepKernels:
     """Build the kernels for one precision.
 
     Args:
         s: Specialisation.
         lagrangian: There are Lagrangian particles.
         contact: Bodies are in contact.
+        switched: A switch scales the artificial viscosity.
     """
-    real, vec = s.real, s.vec
+    real, vec, point = s.real, s.vec, s.point
     zero = real(0.0)
     share, acceleration = real(VISCOUS_SHARE), real(ACCELERATION_CFL)
     floor, contact_cfl = wp.float64(FLOOR), real(CONTACT_CFL)
-    module = s.module(__name__, "_".join(filter(None, ("lagrangian" * lagrangian, "contact" * contact))))
+    options = ("lagrangian" * lagrangian, "contact" * contact, "switched" * switched)
+    module = s.module(__name__, "_".join(filter(None, options)))
 
     @wp.func
     def limit(h: real, cfl: real, speed: real, rate2: real, a2: real, check: real):
@@ -64,7 +68,7 @@ def make_timestep(s: Spec, lagrangian: bool = False, contact: bool = False) -> T
     def local(
         offset: wp.int32,
         # in:
-        x: wp.array[vec],
+        x: wp.array[point],
         v: wp.array[vec],
         dvdt: wp.array[vec],
         rho: wp.array[real],
@@ -90,8 +94,10 @@ def make_timestep(s: Spec, lagrangian: bool = False, contact: bool = False) -> T
         for k in range(chunk):
             i = b * chunk + k
             if i < n:
-                signal = av_switch[i] * (viscosity_alpha * cs[i] + viscosity_beta * mu[i])
-                check = rho[i] + e[i] + wp.dot(x[i], v[i])
+                signal = viscosity_alpha * cs[i] + viscosity_beta * mu[i]
+                if wp.static(switched):
+                    signal *= av_switch[i]
+                check = rho[i] + e[i] + wp.dot(vec(x[i]), v[i])
                 speed = cl[i] + share * signal
                 if wp.static(lagrangian):
                     speed *= shrink[i]

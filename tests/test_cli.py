@@ -147,7 +147,7 @@ def test_results_go_to_runs_by_default(scene, runner, command):
         (["run", "drop.py", "--scheme", "sav9"], ["sav9", "--scheme", "sav1", "bal"]),
         (["run", "drop.py", "--spacing", "fine"], ["fine", "--spacing"]),
         (["run", "drop.py", "--spacing", "-1"], ["spacing = -1.0", "positive"]),
-        (["run", "drop.py", "--precision", "float16"], ["float16", "float64", "float32"]),
+        (["run", "drop.py", "--precision", "float16"], ["float16", "float64", "float32", "mixed"]),
         (["run", "drop.py", "--until", "-1"], ["--until -1", "positive"]),
         (["run", "drop.py", "--until", "nan"], ["--until nan", "positive"]),
         (["run", "drop.py", "--threads", "0"], ["--threads 0", "1 or more"]),

@@ -12,13 +12,14 @@ from warpsph.contact import contact_constants
 from warpsph.kernels.contact import make_contact
 from warpsph.kernels.kernel_type import ERODED
 from warpsph.kernels.mirror import INDEX_BITS
-from warpsph.kernels.parts import CONTACT, part_types
+from warpsph.kernels.parts import CONTACT, PARTS, part_types
 from warpsph.kernels.smoothing import make_smoothing
 from warpsph.penetration import interpenetration
 
 MODULUS = np.array([80e9, 30e9])
 STIFFNESS = 0.25
 H = 1.2 * SPACING
+ALL = tuple(range(len(PARTS)))
 
 
 def cubic_spline(r, dim):
@@ -66,7 +67,7 @@ def contact(spec, state, rows=None, kernel="cubic_spline", plane=None, **before)
     """Run the kernel; every output by its name, in double precision."""
     n = len(state["x"])
     rows = everybody(n) if rows is None else rows
-    types = part_types(spec)
+    types = part_types(spec, len(PARTS))
     before = {
         "dvdt": np.zeros((n, 3)),
         "dedt": np.zeros(n),
@@ -82,7 +83,7 @@ def contact(spec, state, rows=None, kernel="cubic_spline", plane=None, **before)
     }
     state = {k: a.astype(np.int32) if a.dtype.kind == "i" else a for k, a in state.items()}
     found = launch(
-        make_contact(spec, make_smoothing(spec, kernel), plane is not None).contact, n, spec,
+        make_contact(spec, make_smoothing(spec, kernel), plane is not None, ALL).contact, n, spec,
         **state, **before, **parts,
         contact_modulus=MODULUS, contact_scale=STIFFNESS / SPACING**spec.dim, h=H, spacing=SPACING,
         plane=spec.vec(*(plane or (0.0, 0.0, 0.0))),

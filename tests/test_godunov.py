@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from tools import DENSITY, ELASTIC, FLUID, REALS, SPACING, G, K, by_id, jittered, scene
+from tools import DENSITY, ELASTIC, FLUID, REALS, SPACING, G, K, by_id, jittered, overwrite, scene
 
 from warpsph import materials as lib
 from warpsph.schemes import SCHEMES, GodunovSettings
@@ -59,9 +59,7 @@ def solver_of(dim, scheme, fields, second=None, precision="float64", first=ELAST
     values["vol"] = by_id(solver, "m") / values["rho"]
     zero = np.zeros((len(order), 3, 3))
     values["sig"] = values.get("tau", zero) - values.get("p", zero[:, 0, 0])[:, None, None] * np.eye(3)
-    ids = solver.particles.id.numpy()
-    for name, array in values.items():
-        getattr(solver.particles, name).assign(array[ids])
+    overwrite(solver, **values)
     return solver
 
 

@@ -45,7 +45,7 @@ def assert_complete(solver):
     assert expected(solver, radius * (1.0 - MARGIN)) <= rows <= expected(solver, radius * (1.0 + MARGIN))
 
 
-@pytest.mark.parametrize("precision", REALS)
+@pytest.mark.parametrize("precision", [*REALS, "mixed"])
 @pytest.mark.parametrize("dim", DOUBLE)
 def test_rows_hold_every_pair(dim, precision):
     n = {1: 60, 2: 12, 3: 6}[dim]

@@ -5,6 +5,7 @@ import warp as wp
 
 from warpsph import materials as lib
 from warpsph.config import Numerics
+from warpsph.fields import BY_NAME, whole
 from warpsph.kernels.spec import Spec
 from warpsph.launch import Launcher
 from warpsph.scene import Scene
@@ -69,7 +70,8 @@ def overwrite(solver, **fields):
     """Give fields new values, in id order."""
     ids = solver.particles.id.numpy()
     for name, values in fields.items():
-        getattr(solver.particles, name).assign(np.asarray(values)[ids])
+        values = np.asarray(values)[ids]
+        getattr(solver.particles, name).assign(packed(values) if BY_NAME[name].kind == "sym" else values)
 
 
 def forces(solver):
@@ -82,21 +84,30 @@ def forces(solver):
 def by_id(solver, name):
     """A field of any kind in id order, on the host."""
     arrays = solver.particles.arrays()
-    return arrays[name][np.argsort(arrays["id"])]
+    return whole(arrays[name][np.argsort(arrays["id"])], BY_NAME[name].kind)
+
+
+def packed(tensors):
+    """The six numbers of symmetric tensors, shape [n, 6], as the device keeps them."""
+    return np.asarray(tensors)[:, [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]]
 
 
 def launch(kernel, n, spec, **values):
     """Run a kernel of known arguments on given numbers; the arrays afterwards, by name.
 
-    Arrays of shape [n, 3, 3] become tensors, [n, 3] vectors; what is no array is passed as it is.
+    Arrays of shape [n, 3, 3] become tensors, symmetric ones where the kernel has such, [n, 3] vectors; what is no array
+    is passed as it is.
     """
-    kinds = {(3, 3): spec.mat, (3,): spec.vec, (): spec.real}
+    kinds = {(3, 3): spec.mat, (3,): spec.vec, (6,): spec.sym, (): spec.real}
+    types = {arg.label: getattr(arg.type, "dtype", None) for arg in kernel.adj.args}
+    symmetric = {name for name, dtype in types.items() if dtype is spec.sym}
     arrays = {}
     for name, value in values.items():
         if isinstance(value, np.ndarray):
+            value = packed(value) if name in symmetric else value
             integers = value.dtype.kind == "i"
             arrays[name] = wp.array(
                 value, dtype=wp.int32 if integers else kinds[value.shape[1:]], device="cpu"
             )
     Launcher("cpu", 1).launch(kernel, n, **(values | arrays))
-    return {name: array.numpy() for name, array in arrays.items()}
+    return {name: whole(array.numpy(), "sym" if name in symmetric else "") for name, array in arrays.items()}

@@ -139,7 +139,7 @@ def run(
     *,
     out: Path | None = None,
     device: str = "cpu",
-    precision: Literal["float64", "float32"] = "float64",
+    precision: Literal["float64", "float32", "mixed"] = "float64",
     until: float | None = None,
     threads: int | None = None,
     force: Flag = False,
@@ -152,7 +152,7 @@ def run(
         file: The scene.
         out: Folder for the results; runs/SCENE if not given.
         device: Where to compute: cpu, or cuda:0, cuda:1, ...
-        precision: Arithmetic of the particles.
+        precision: Arithmetic of the particles; mixed: positions in float64, the rest in float32.
         until: Time to stop at [s], in place of the scene's.
         threads: CPU threads; all cores if not given.
         force: Replace what an earlier run left in the folder.

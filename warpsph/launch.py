@@ -26,13 +26,11 @@ def _names(kernel: wp.Kernel) -> tuple[str, ...]:
 
 
 @functools.cache
-def _real(kernel: wp.Kernel) -> type | None:
-    """Scalar type of a kernel's floating-point arguments, from the first array or scalar that has one."""
-    for var in kernel.adj.args:
-        dtype = getattr(var.type, "dtype", var.type)
-        scalar = getattr(dtype, "_wp_scalar_type_", dtype)
-        if scalar in (wp.float32, wp.float64):
-            return scalar
+def _place(kernel: wp.Kernel) -> type | None:
+    """Scalar type of a kernel's positions, the argument ``x``: what a hash grid that it looks up has to hold."""
+    for var, name in zip(kernel.adj.args, _names(kernel), strict=True):
+        if name == "x":
+            return var.type.dtype._wp_scalar_type_
     return None
 
 
@@ -108,7 +106,7 @@ class Launcher:
         """Bind a launch, taking each argument by its name.
 
         A kernel has many arrays of one type in a row, and Warp cannot tell ``rho`` from ``m``. It checks
-        neither structs nor the precision of a hash grid at all; both are checked here.
+        neither structs nor the precision of a hash grid, which is that of positions; both are checked here.
 
         Args:
             kernel: Kernel to launch; its first parameter is ``offset``.
@@ -139,7 +137,7 @@ class Launcher:
 def _checked(kernel: wp.Kernel, var, name: str, value: object) -> object:
     """Refuse what Warp would accept and misread: foreign structs, foreign grids, arrays of another type."""
     if isinstance(value, wp.HashGrid):
-        if _real(kernel) not in (None, value.dtype):
+        if _place(kernel) not in (None, value.dtype):
             raise TypeError(f"{kernel.key}: hash grid {name!r} has precision {value.dtype.__name__}")
         return value.id
     if hasattr(value, "_cls") and value._cls is not var.type:

@@ -1,10 +1,13 @@
 """Neighbour rows of present positions, rebuilt when particles have moved further than the Verlet skin allows."""
 
+import numpy as np
 import warp as wp
 
+from .block import Block
 from .errors import InputError
 from .kernels.neighbours import make_neighbours
 from .launch import Launcher
+from .memory import Policy
 from .particles import Particles
 from .rows import Rows
 from .tiles import Tiles
@@ -34,8 +37,9 @@ class Neighbours:
         radius: Reach of the rows [m].
         plane: Positions of the symmetry planes normal to x, y, z [m].
         plane_mask: Bits 1, 2, 4: there is a plane normal to x, y, z.
+        search: The rows and the hash grid.
+        block: The memory of the entries, and of the work of rebuilding them.
         builds: Number of builds so far.
-        generation: Changes when ``neigh`` was reallocated: launches must be bound again.
     """
 
     def __init__(
@@ -43,7 +47,9 @@ class Neighbours:
         particles: Particles,
         launcher: Launcher,
         planes,
+        policy: Policy,
         *,
+        x: np.ndarray,
         spacing: float,
         support: float,
         skin: float,
@@ -56,6 +62,8 @@ class Neighbours:
             particles: The particles.
             launcher: The device.
             planes: Symmetry planes as (axis, position [m]).
+            policy: What memory may be spent on.
+            x: Positions at the start [m], shape [n, 3].
             spacing: Particle spacing [m].
             support: Reach of the smoothing kernel [m].
             skin: Verlet skin [m].
@@ -72,59 +80,64 @@ class Neighbours:
         self._selective, self._searching = selective, searching
         self.tiles = Tiles(particles, launcher, spacing, selective)
         self.support, self.radius = support, support + skin
-        self.plane = spec.vec(*(dict(planes).get(axis, 0.0) for axis in range(3)))
+        self.plane = spec.point(*(dict(planes).get(axis, 0.0) for axis in range(3)))
         self.plane_mask = sum(1 << axis for axis, _ in planes)
         self._kernels = make_neighbours(spec, bool(planes), selective=selective)
-        self._rows = Rows(n, spec.dim, spec.real, self._kernels, launcher)
+        self.block = Block(launcher.device)
+        self.search = Rows(x, self.radius, spec.dim, spec.place, self._kernels, launcher, policy, self.block)
         with wp.ScopedDevice(launcher.device):
-            self._order = wp.zeros(n, dtype=wp.int32)
             self.role = wp.zeros(n if selective else 1, dtype=wp.int32)
             self.unlisted = wp.zeros(1, dtype=wp.int32)
-            self.x_listed = wp.zeros(n, dtype=spec.vec)
-        self.builds, self.generation = 0, 0
+            self.x_listed = wp.zeros(n, dtype=spec.point)
+        self.builds = 0
 
     @property
     def start(self) -> wp.array:
         """Row offsets, shape [n + 1], int32."""
-        return self._rows.start
+        return self.search.start
 
     @property
     def n_neigh(self) -> wp.array:
         """Entries in use in each row, shape [n], int32."""
-        return self._rows.n_neigh
+        return self.search.n_neigh
 
     @property
     def neigh(self) -> wp.array:
         """Entries, shape [capacity], int32."""
-        return self._rows.neigh
+        return self.search.neigh
+
+    @property
+    def generation(self) -> int:
+        """Changes when ``neigh`` has moved in memory: launches must be bound again."""
+        return self.block.generation
 
     def build(self) -> None:
         """Rebuild the rows, and re-sort the particles in memory first when it is time to."""
         p = self._particles
         if self.builds > 0 and not self._searching:
             return
-        self._rows.grid.build(p.x, self.radius)
+        self.search.grid.build(p.x, self.radius)
         if self.builds == 0 or (self.builds % SORT_EVERY == 0 and not self._selective):
-            self._launcher.launch(self._kernels.cell_order, p.n, grid=self._rows.grid, order=self._order)
-            p.reorder(self._order)
-            self._rows.grid.build(p.x, self.radius)
+            order, _ = self.block.views((wp.int32, p.n), (p.largest, p.n))
+            self._launcher.launch(self._kernels.cell_order, p.n, grid=self.search.grid, order=order)
+            p.reorder(order, lambda dtype: self.block.views((wp.int32, p.n), (dtype, p.n))[1])
+            self.search.grid.build(p.x, self.radius)
         self.builds += 1
         if not self._searching:
             return
-        self.tiles.build(self)
+        self.tiles.build(self, self.block)
         self._fill(self.radius)
         wp.copy(self.x_listed, p.x)
         self.unlisted.zero_()
 
     def _fill(self, radius: float) -> None:
-        if self._rows.fill(self, self._particles, radius=radius):
-            self.generation += 1
+        self.search.fill(self, self._particles, radius=radius)
 
     def mean_count(self) -> float:
         """Mean number of neighbours within the kernel's support now, the particle itself left out.
 
         Leaves rows without skin behind: build again before the next step.
         """
-        self._rows.grid.build(self._particles.x, self.radius)
+        self.search.grid.build(self._particles.x, self.radius)
         self._fill(self.support)
-        return self._rows.mean_count()
+        return self.search.mean_count()

@@ -1,19 +1,21 @@
 """The particles on the device: one array per row of the field table."""
 
+from collections.abc import Callable
+
 import numpy as np
 import warp as wp
 
-from .fields import of_groups
+from .fields import CONSTANT, Field, of_groups, whole
 from .kernels.kernel_type import EULERIAN, LAGRANGIAN
-from .kernels.parts import part_types
+from .kernels.parts import Parts, part_types
 from .kernels.sort import make_sort
 from .kernels.spec import Spec
 from .launch import Launcher
 from .scene import SceneData
 from .state import State
 
-WIDTH = {"int": (), "real": (), "vec": (3,), "mat": (3, 3), "parts": (4,)}
-"""Shape of one entry by a field's kind."""
+WIDTH = {"int": (), "real": (), "vec": (3,), "point": (3,), "mat": (3, 3), "sym": (6,)}
+"""Shape of one entry by a field's kind; ``parts`` has as many numbers as the run has parts."""
 
 
 class Particles:
@@ -23,12 +25,34 @@ class Particles:
         n: Number of particles.
         spec: Dimension and precision of the arrays.
         fields: The rows of the table that this run has.
+        largest: Type of the largest entries.
     """
 
-    def __init__(self, data: SceneData, spec: Spec, launcher: Launcher, groups: frozenset[str] = frozenset()):
-        """Allocate the fields of the groups and fill in what the scene gives; the rest starts at zero."""
+    def __init__(
+        self,
+        data: SceneData,
+        spec: Spec,
+        launcher: Launcher,
+        groups: frozenset[str] = frozenset(),
+        parts: Parts = (),
+    ):
+        """Allocate the fields of the groups and fill in what the scene gives; the rest starts at zero.
+
+        Args:
+            data: The scene.
+            spec: Dimension and precision.
+            launcher: The device.
+            groups: Groups of fields that the run has.
+            parts: Parts of the forces that it keeps apart.
+        """
         self.n, self.spec, self._launcher = len(data.x), spec, launcher
         self._data, self.fields = data, of_groups(groups)
+        self._shown = [f for f in of_groups(groups | CONSTANT) if f.output]
+        self._types = {
+            "int": wp.int32, "real": spec.real, "vec": spec.vec, "point": spec.point, "mat": spec.mat, "sym": spec.sym,
+            "parts": part_types(spec, len(parts)).power,
+        }  # fmt: skip
+        self._width = WIDTH | {"parts": (len(parts),)}
         given = {name: getattr(data, name) for name in ("x", "v", "m", "rho", "e", "body", "mat", "fixed")}
         given |= {"id": np.arange(self.n), "av_switch": np.ones(self.n), "thickness": np.ones(self.n)}
         given |= {"p_high": np.full(self.n, -np.inf), "p_low": np.full(self.n, np.inf)}
@@ -37,24 +61,29 @@ class Particles:
         if "lagrangian" in groups:
             given["kernel_type"] = np.where(data.eulerian, EULERIAN, LAGRANGIAN)
         for f in self.fields:
-            values = given.get(f.name, np.zeros((self.n, *WIDTH[f.kind])))
+            values = given.get(f.name, np.zeros((self.n, *self._width[f.kind])))
             setattr(self, f.name, self._upload(values, f.kind))
-        self._scratch = {kind: wp.empty_like(getattr(self, name)) for kind, name in
-                         {"int": "id", "real": "m", "vec": "x", "mat": "tau", "parts": "e_parts"}.items()}  # fmt: skip
+        self.largest = max(
+            (getattr(self, f.name).dtype for f in self.fields), key=wp.types.type_size_in_bytes
+        )
 
     def _upload(self, values: np.ndarray, kind: str) -> wp.array:
-        s = self.spec
-        dtype = {
-            "int": wp.int32, "real": s.real, "vec": s.vec, "mat": s.mat, "parts": part_types(s).power,
-        }[kind]  # fmt: skip
-        host = np.int32 if kind == "int" else wp.dtype_to_numpy(self.spec.real)
-        return wp.array(np.ascontiguousarray(values, dtype=host), dtype=dtype, device=self._launcher.device)
+        host = wp.dtype_to_numpy({"int": wp.int32, "point": self.spec.place}.get(kind, self.spec.real))
+        return wp.array(
+            np.ascontiguousarray(values, dtype=host), dtype=self._types[kind], device=self._launcher.device
+        )
 
-    def reorder(self, order: wp.array) -> None:
-        """Move every particle in memory: the k-th is the former order[k]. Array addresses stay the same."""
+    def reorder(self, order: wp.array, scratch: Callable[[type], wp.array]) -> None:
+        """Move every particle in memory: the k-th is the former order[k]. Array addresses stay the same.
+
+        Args:
+            order: Permutation, shape [n].
+            scratch: Gives room for n entries of a type.
+        """
         gather = make_sort(self.spec)
         for f in self.fields:
-            old, new = getattr(self, f.name), self._scratch[f.kind]
+            old = getattr(self, f.name)
+            new = scratch(old.dtype)
             self._launcher.launch(gather[old.dtype], self.n, order=order, source=old, target=new)
             wp.copy(old, new)
 
@@ -72,8 +101,14 @@ class Particles:
     def state(self, time: float, step: int) -> State:
         """Copy the output fields to the host, in id order."""
         data, order = self._data, np.argsort(self.id.numpy())
-        fields = {f.name: getattr(self, f.name).numpy()[order] for f in self.fields if f.output}
+        fields = {f.name: self._host(f)[order] for f in self._shown}
         return State(
             time=time, step=step, dim=data.dim, spacing=data.spacing, h=data.h, scene=data.name,
             bodies=list(data.bodies), materials=[m.name for m in data.materials], fields=fields,
         )  # fmt: skip
+
+    def _host(self, f: Field) -> np.ndarray:
+        """A field as the state gives it, in memory order; where the run has no use for it, as it was at the start."""
+        if hasattr(self, f.name):
+            return whole(getattr(self, f.name).numpy(), f.kind)
+        return getattr(self._data, f.name)[self.id.numpy()].astype(np.int32)

@@ -4,14 +4,16 @@ from collections.abc import Callable
 
 import warp as wp
 
+from .block import Block
 from .kernels.correction import make_correction
 from .kernels.neighbours import make_neighbours
 from .kernels.reference import make_reference
 from .kernels.smoothing import Smoothing
 from .launch import Command, Launcher
+from .memory import Policy
 from .neighbours import Neighbours
 from .particles import Particles
-from .rows import Rows
+from .rows import Rows, lasting
 
 
 class Reference:
@@ -36,6 +38,7 @@ class Reference:
         neighbours: Neighbours,
         smoothing: Smoothing,
         corrected: bool,
+        policy: Policy,
     ):
         """Pick the kernels; `build` allocates and fills.
 
@@ -45,10 +48,11 @@ class Reference:
             neighbours: The present neighbours, for support and symmetry planes.
             smoothing: Smoothing kernel.
             corrected: Mixed correction in the reference configuration.
+            policy: What memory may be spent on.
         """
         spec, planes = particles.spec, neighbours.plane_mask > 0
         self._particles, self._launcher, self._neighbours = particles, launcher, neighbours
-        self._corrected = corrected
+        self._corrected, self._policy = corrected, lasting(policy)
         self._search = make_neighbours(spec, planes, same_body=True)
         self._correction = make_correction(spec, smoothing, planes, coupled=True) if corrected else None
         self._pairs = make_reference(spec, smoothing, corrected, planes)
@@ -61,9 +65,12 @@ class Reference:
     def build(self) -> None:
         """Find reference neighbours in the particles' present order in memory; `pairs` has to follow."""
         p, spec = self._particles, self._particles.spec
-        rows = Rows(p.n, spec.dim, spec.real, self._search, self._launcher, lasting=True)
-        rows.grid.build(p.X, self._neighbours.support)
-        rows.fill(self._neighbours, p, x=p.X, radius=self._neighbours.support)
+        reach, block = self._neighbours.support, Block(self._launcher.device)
+        rows = Rows(
+            p.X.numpy(), reach, spec.dim, spec.place, self._search, self._launcher, self._policy, block
+        )
+        rows.grid.build(p.X, reach)
+        rows.fill(self._neighbours, p, x=p.X, radius=reach)
         self.start0, self.n_neigh0, self.neigh0 = rows.start, rows.n_neigh, rows.neigh
         self.mean_count = rows.mean_count()
         with wp.ScopedDevice(self._launcher.device):

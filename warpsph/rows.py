@@ -1,17 +1,19 @@
 """Compressed rows of neighbours: the one structure for present and for reference neighbours."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 import warp as wp
 
+from .block import Block
 from .errors import RunError
 from .kernels.neighbours import NeighbourKernels
 from .launch import Launcher
+from .memory import Policy
 
-GROWTH = 1.2
-"""Rows that no longer fit get this much more than they need."""
-
-CELLS = {1: (4096, 1, 1), 2: (256, 256, 1), 3: (64, 64, 64)}
-"""Cells of the hash grid; the grid wraps around, so a larger domain only costs a few more distance checks."""
+FEWEST_CELLS = 4096
+"""Cells that a hash grid may have however few particles there are; else it has at most one for each."""
 
 
 class Rows:
@@ -21,48 +23,66 @@ class Rows:
         grid: The hash grid, as it was last built.
         start: Row offsets, shape [n + 1], int32.
         n_neigh: Entries in use in each row, shape [n], int32.
-        neigh: Entries (particle index and mirror bits), shape [capacity], int32; grows, never truncates.
     """
 
     def __init__(
         self,
-        n: int,
+        x: np.ndarray,
+        radius: float,
         dim: int,
-        real: type,
+        place: type,
         kernels: NeighbourKernels,
         launcher: Launcher,
-        lasting: bool = False,
+        policy: Policy,
+        block: Block,
     ):
-        """Allocate rows for n particles; the first filling makes room for the entries.
+        """Allocate; the first filling makes room for the entries.
 
         Args:
-            n: Number of particles.
+            x: Positions of the particles at the start [m], shape [n, 3].
+            radius: Reach of the rows [m].
             dim: Space dimension.
-            real: Scalar type.
+            place: Scalar type of positions.
             kernels: The search.
             launcher: The device.
-            lasting: The rows are filled once: they get no room to grow.
+            policy: Room of the rows.
+            block: Where the entries go.
         """
-        self._n, self._kernels, self._launcher, self._lasting = n, kernels, launcher, lasting
+        n = len(x)
+        self._n, self._kernels, self._launcher, self._policy, self._block = (
+            n,
+            kernels,
+            launcher,
+            policy,
+            block,
+        )
         with wp.ScopedDevice(launcher.device):
-            self.grid = wp.HashGrid(*CELLS[dim], dtype=real)
-            self._room = wp.zeros(n + 1, dtype=wp.int32)  # the last stays 0: the scan ends in the total
+            self._cells = cells(np.ptp(x, axis=0)[:dim], radius, n)
+            self.grid = wp.HashGrid(*self._cells, dtype=place)
+            self.grid.reserve(-(-2 * n // 3))  # the grid makes half as much room again as it is asked for
             self._overflow = wp.zeros(1, dtype=wp.int32)
             self.start = wp.zeros(n + 1, dtype=wp.int32)
             self.n_neigh = wp.zeros(n, dtype=wp.int32)
-            self.neigh = wp.empty(1, dtype=wp.int32)
 
-    def fill(self, *sources: object, **named: object) -> bool:
-        """Find every neighbour; the arguments are those of the kernel. Tells whether ``neigh`` moved in memory.
+    @property
+    def neigh(self) -> wp.array:
+        """Entries (particle index and mirror bits), shape [capacity], int32; grows, never truncates."""
+        return self._block.words
+
+    @property
+    def grid_bytes(self) -> int:
+        """Memory of the hash grid: cell and index of each particle, twice, and where each cell starts and ends."""
+        return 4 * (2 * 2 * self._n + 2 * int(np.prod(self._cells)))
+
+    def fill(self, *sources: object, **named: object) -> None:
+        """Find every neighbour; the arguments are those of the kernel.
 
         Reading one flag back is the only synchronisation: rows keep their place as long as all of them have room.
         """
         self._run(sources, named)
-        if not self._overflow.numpy()[0]:
-            return False
-        moved = self._enlarge()
-        self._run(sources, named)
-        return moved
+        if self._overflow.numpy()[0]:
+            self._enlarge()
+            self._run(sources, named)
 
     def _run(self, sources: tuple, named: dict) -> None:
         self._overflow.zero_()
@@ -70,25 +90,48 @@ class Rows:
             self._kernels.fill, self._n, self, *sources, grid=self.grid, overflow=self._overflow, **named
         )
 
-    def _enlarge(self) -> bool:
+    def _enlarge(self) -> None:
         """Make room for what the last filling counted.
 
         Raises:
             RunError: Offsets no longer fit into 32 bits.
         """
-        self._launcher.launch(
-            self._kernels.reserve, self._n, self, lasting=int(self._lasting), room=self._room
-        )
-        wp.utils.array_scan(self._room, self.start, inclusive=False)
+        (room,) = self._block.views((wp.int32, self._n + 1))
+        room.zero_()  # the last stays 0: the scan ends in the total
+        self._launcher.launch(self._kernels.reserve, self._n, self, self._policy, room=room)
+        wp.utils.array_scan(room, self.start, inclusive=False)
         total = int(self.start[self._n :].numpy()[0])
         if total < 0:
             raise RunError(f"the neighbour rows of {self._n} particles need more than {2**31 - 1} entries")
-        if total <= self.neigh.size:
-            return False
-        with wp.ScopedDevice(self._launcher.device):
-            self.neigh = wp.empty(total if self._lasting else int(GROWTH * total), dtype=wp.int32)
-        return True
+        if total > self.neigh.size:
+            self._block.grow(int(self._policy.growth * total))
 
     def mean_count(self) -> float:
         """Mean length of the rows."""
         return float(np.mean(self.n_neigh.numpy()))
+
+
+def lasting(policy: Policy) -> Policy:
+    """The same policy for rows that are filled once: no room to grow but the place that the search needs."""
+    return replace(policy, divisor=1 << 30, spare=1, growth=1.0)
+
+
+def cells(extent: Sequence[float], radius: float, n: int) -> tuple[int, int, int]:
+    """Cells of a hash grid along x, y and z, powers of two, in the proportions of the scene.
+
+    The grid wraps around, so a scene that outgrows it only costs a few more distance checks. Cells are cleared at every
+    rebuild and take memory, so there are no more than one for each particle (but always `FEWEST_CELLS`); what is left
+    of these makes room for the scene to grow.
+
+    Args:
+        extent: Size of the scene along the axes of its dimension [m].
+        radius: Reach of the rows, the width of a cell [m].
+        n: Number of particles.
+    """
+    most = max(n, FEWEST_CELLS)
+    counts = [1 << max(int(np.ceil(np.log2(max(size / radius, 1.0)))), 2) for size in extent]
+    while np.prod(counts) > most:
+        counts[int(np.argmax(counts))] //= 2
+    while 2 * np.prod(counts) <= most:
+        counts[int(np.argmin(counts))] *= 2
+    return tuple(counts + [1] * (3 - len(counts)))

@@ -31,7 +31,7 @@ def run(
         scene: The scene.
         out: Output folder; made if missing, must be empty unless ``force``.
         device: ``cpu`` or ``cuda:N``.
-        precision: ``float64`` or ``float32``.
+        precision: ``float64``, ``float32``, or ``mixed``: float32 with positions in float64.
         threads: CPU threads; all cores by default.
         until: End time [s]; the scene's own by default.
         force: Clear an earlier run's files from ``out``.

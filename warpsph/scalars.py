@@ -79,10 +79,10 @@ def _table(state: State) -> dict[str, tuple[str, str, Callable[[], np.ndarray]]]
         if f.name not in state.fields:
             continue
         array, words = state.fields[f.name], f.title.replace("_", " ")
-        if f.kind == "mat":
+        if f.kind in ("mat", "sym"):
             for pair, i, j in PAIRS:
                 table[f"{f.title}_{pair}"] = (f"{words} {pair}", f.unit, lambda a=array, i=i, j=j: a[:, i, j])
-        elif f.kind == "vec":
+        elif f.kind in ("vec", "point"):
             table[f.title] = (f"|{words}|", f.unit, lambda a=array: np.linalg.norm(a, axis=1))
             for k, axis in enumerate(AXES):
                 table[f"{f.title}_{axis}"] = (f"{words} {axis}", f.unit, lambda a=array, k=k: a[:, k])

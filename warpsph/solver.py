@@ -13,7 +13,7 @@ from .contact import contact_constants
 from .errors import InputError, RunError
 from .kernels.deformation import SMALLEST_J
 from .kernels.kernel_type import ERODED, EULERIAN, LAGRANGIAN
-from .kernels.ledger import MAXIMA, SUMS, make_ledger
+from .kernels.ledger import MAXIMA, SUMS
 from .kernels.spec import Spec
 from .kernels.timestep import (
     ACCELERATION_CFL,
@@ -26,6 +26,7 @@ from .kernels.timestep import (
 )
 from .launch import SMALLEST_BLOCK_SLICE, SMALLEST_SLICE, Command, Launcher
 from .materials import pack
+from .memory import Policy, policy_of
 from .neighbours import Neighbours
 from .particles import Particles
 from .penetration import interpenetration
@@ -37,8 +38,12 @@ from .state import State
 MAX_BATCH = 32
 """Steps between two readings of the device's clock, at most: the documented synchronisation interval."""
 
-PRECISIONS = {"float32": wp.float32, "float64": wp.float64}
-"""Scalar types by name."""
+PRECISIONS = {
+    "float32": (wp.float32, wp.float32),
+    "float64": (wp.float64, wp.float64),
+    "mixed": (wp.float32, wp.float64),
+}
+"""Scalar types, and those of positions, by name."""
 
 
 class Solver:
@@ -53,9 +58,22 @@ class Solver:
     """
 
     def __init__(
-        self, data: SceneData, *, device: str = "cpu", precision: str = "float64", threads: int | None = None
+        self,
+        data: SceneData,
+        *,
+        device: str = "cpu",
+        precision: str = "float64",
+        threads: int | None = None,
+        policy: Policy | None = None,
     ):
         """Allocate everything; no step allocates afterwards, except neighbour rows that outgrow their storage.
+
+        Args:
+            data: The finalised scene.
+            device: Name of the device.
+            precision: One of `PRECISIONS`.
+            threads: CPU threads; None: as many as there are cores.
+            policy: What memory may be spent on; None: the device's.
 
         Raises:
             InputError: No such device or precision.
@@ -65,16 +83,19 @@ class Solver:
         self.data, self.precision = data, precision
         self.launcher = Launcher(device, threads)
         lanes = {"lanes": 1} if self.launcher.device.is_cuda else {}
-        self._spec = Spec(data.dim, PRECISIONS[precision], **lanes)
+        self._spec = Spec(data.dim, *PRECISIONS[precision], **lanes)
         h = data.h
-        self._scheme = make_scheme(data, self._spec)
-        self.particles = Particles(data, self._spec, self.launcher, self._scheme.groups)
+        self._policy = policy or policy_of(self.launcher.device)
+        self._scheme = make_scheme(data, self._spec, self._policy.kept)
+        self.particles = Particles(data, self._spec, self.launcher, self._scheme.groups, self._scheme.parts)
         self._blocks = Blocks(self.particles.n, self.launcher.device.is_cuda)
         self._clock = Clock(self._spec, self.launcher, self._blocks)
         self.neighbours = Neighbours(
             self.particles,
             self.launcher,
             data.planes,
+            self._policy,
+            x=data.x,
             spacing=data.spacing,
             support=self._scheme.support * h,
             skin=data.numerics.skin * h,
@@ -84,7 +105,6 @@ class Solver:
         self.reference = self._find_reference()
         self._constants = SimpleNamespace(h=h, spacing=data.spacing, cfl=data.numerics.cfl)
         self._work = self._allocate_work()
-        self._ledger = make_ledger(self._spec)
         self._program: list[Command] = []
         self._planning: list[Command] = []
         self._bound = -1
@@ -97,7 +117,7 @@ class Solver:
             return None
         s = self._scheme
         s.reference = Reference(
-            self.particles, self.launcher, self.neighbours, s.smoothing, s.reference_correction
+            self.particles, self.launcher, self.neighbours, s.smoothing, s.reference_correction, self._policy
         )
         return s.reference
 
@@ -126,7 +146,8 @@ class Solver:
 
     def _initialise(self) -> None:
         """Make the dependent fields agree with the scene; the first step then starts from a whole state."""
-        self.particles.av_switch.fill_(self._scheme.first_switch)
+        if "switch" in self._scheme.groups:
+            self.particles.av_switch.fill_(self._scheme.first_switch)
         self.neighbours.build()
         if self.reference is not None:
             self.reference.build()
@@ -217,7 +238,7 @@ class Solver:
 
     def ledger(self) -> dict[str, float]:
         """Conserved quantities and extremes of all particles (see `kernels.ledger` for names and units)."""
-        self._bind(self._ledger, self._blocks.count)()
+        self._bind(self._scheme.ledger, self._blocks.count)()
         partial = self._work.partial.numpy()
         sums = {name: math.fsum(partial[:, k]) for k, name in enumerate(SUMS)}
         maxima = {name: float(partial[:, len(SUMS) + k].max()) for k, name in enumerate(MAXIMA)}
@@ -241,6 +262,15 @@ class Solver:
             found["interpenetration"] = interpenetration(
                 cover, data.numerics.kernel, data.dim, data.h, data.spacing
             )
+        return found
+
+    def owners(self) -> dict[str, object]:
+        """Everything that holds device arrays as attributes, by name (see `warpsph.memory.usage`)."""
+        found = {"particles": self.particles, "work": self._work, "clock": self._clock}
+        found |= {"neighbours": self.neighbours, "tiles": self.neighbours.tiles}
+        found |= {"search": self.neighbours.search, "rows": self.neighbours.block}
+        if self.reference is not None:
+            found["reference"] = self.reference
         return found
 
     def state(self) -> State:
@@ -299,7 +329,7 @@ class Solver:
             i = int(np.argmax((p["inverted"] > 0) & (p["kernel_type"] == LAGRANGIAN)))
             cause = f"turned over, det F below {SMALLEST_J:g}: too distorted for a Total Lagrangian particle"
         else:
-            speed = p["cl"] + VISCOUS_SHARE * p["av_switch"] * (
+            speed = p["cl"] + VISCOUS_SHARE * p.get("av_switch", 1.0) * (
                 self._scheme.viscosity_alpha * p["cs"] + self._scheme.viscosity_beta * p["mu"]
             )
             accel = np.linalg.norm(p["dvdt"], axis=1)

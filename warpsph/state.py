@@ -18,7 +18,7 @@ class State:
         scene: Name of the scene.
         bodies: Body names; ``fields["body"]`` indexes them.
         materials: Material names; ``fields["mat"]`` indexes them.
-        fields: Arrays by the symbols of `warpsph.fields`; float64 or float32, shape [n], [n, 3] or [n, 3, 3].
+        fields: Arrays by the symbols of `warpsph.fields`; float64 or float32 (mixed precision: both), shape [n], [n, 3] or [n, 3, 3].
     """
 
     time: float

@@ -2,6 +2,7 @@
 
 import warp as wp
 
+from .block import Block
 from .kernels.tiles import make_tiles
 from .launch import Launcher
 from .particles import Particles
@@ -18,8 +19,8 @@ class Tiles:
 
     Attributes:
         most: Tiles at most.
-        member: Particle indices tile by tile, shape [2 n] (the second half is work space of the sort).
-        tile_start: First place of a tile in ``member``, shape [n + 1].
+        member: Particle indices tile by tile, shape [n].
+        tile_start: First place of a tile in ``member``, shape [most + 1].
         n_tiles: Number of tiles, shape [1].
         box_low: Lower corners of the tiles at the last build [m], shape [most, 3].
         box_high: Upper corners of the tiles at the last build [m].
@@ -41,14 +42,11 @@ class Tiles:
         per_tile = max(PER_TILE, 4 * n // self.most)
         self._width = spacing * per_tile ** (1.0 / spec.dim)
         with wp.ScopedDevice(launcher.device):
-            self._key = wp.zeros(2 * n, dtype=wp.int32)
-            self._head = wp.zeros(n, dtype=wp.int32)
-            self._number = wp.zeros(n, dtype=wp.int32)
-            self.member = wp.zeros(2 * n, dtype=wp.int32)
-            self.tile_start = wp.zeros(n + 1, dtype=wp.int32)
+            self.member = wp.zeros(n, dtype=wp.int32)
+            self.tile_start = wp.zeros(self.most + 1, dtype=wp.int32)
             self.n_tiles = wp.zeros(1, dtype=wp.int32)
-            self.box_low = wp.zeros(self.most, dtype=spec.vec)
-            self.box_high = wp.zeros(self.most, dtype=spec.vec)
+            self.box_low = wp.zeros(self.most, dtype=spec.point)
+            self.box_high = wp.zeros(self.most, dtype=spec.point)
             self.moved_low = wp.zeros(self.most, dtype=spec.vec)
             self.moved_high = wp.zeros(self.most, dtype=spec.vec)
             self.tile_wear = wp.zeros(self.most, dtype=spec.real)
@@ -58,23 +56,27 @@ class Tiles:
             self.body_last = wp.zeros(told, dtype=wp.int32)
             self.tile_role = wp.zeros(told, dtype=wp.int32)
 
-    def build(self, rows: object) -> None:
+    def build(self, rows: object, block: Block) -> None:
         """Sort the particles into tiles; tiles grow until there are no more than ``most``.
 
         Args:
             rows: What knows the symmetry planes (``plane``, ``plane_mask``), the rows' reach (``radius``), and
                 takes the particles' ``role``.
+            block: Work space.
         """
         p, k, launch, n = self._particles, self._kernels, self._launcher.launch, self._particles.n
+        i32 = wp.int32
+        key, member, head, number = block.views((i32, 2 * n), (i32, 2 * n), (i32, n), (i32, n))
         while True:
-            launch(k.keys, n, p, width=self._width, key=self._key, member=self.member)
-            wp.utils.radix_sort_pairs(self._key, self.member, n)
-            launch(k.heads, n, key=self._key, head=self._head)
-            wp.utils.array_scan(self._head, self._number, inclusive=True)
-            launch(k.starts, n, self, head=self._head, number=self._number, n=n)
+            launch(k.keys, n, p, width=self._width, key=key, member=member)
+            wp.utils.radix_sort_pairs(key, member, n)
+            launch(k.heads, n, key=key, head=head)
+            wp.utils.array_scan(head, number, inclusive=True)
+            launch(k.starts, n, self, head=head, number=number, n=n)
             if int(self.n_tiles.numpy()[0]) <= self.most:
                 break
             self._width *= 1.5
+        wp.copy(self.member, member, count=n)
         launch(k.boxes, self.most, self, p, rows)
         if self._selective:
             launch(k.contents, self.most, self, p)

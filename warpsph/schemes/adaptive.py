@@ -8,12 +8,13 @@ from warpsph.kernels.coupling import Coupling
 from warpsph.kernels.kinematics import make_kinematics
 from warpsph.kernels.momentum_eulerian import PairTerms, make_momentum
 from warpsph.kernels.momentum_lagrangian import LagrangianTerms, make_momentum_lagrangian
+from warpsph.kernels.parts import ARTIFICIAL
 from warpsph.kernels.spec import Spec
 from warpsph.launch import Command
 
 from . import EulerianSettings, LagrangianSettings
 from .lagrangian import Lagrangian
-from .scheme import Bind, bound
+from .scheme import Bind, Traits, bound
 
 NO_EULERIAN = EulerianSettings("monaghan", 0.0, 0.0)
 """The scheme of pairs across bodies where there are no Eulerian particles: the Lagrangian one's viscosity serves both."""
@@ -22,15 +23,23 @@ NO_EULERIAN = EulerianSettings("monaghan", 0.0, 0.0)
 class Adaptive(Lagrangian):
     """Each particle sums over its reference neighbours, its present ones, or, beside the other type, over both."""
 
-    def __init__(self, settings: LagrangianSettings, spec: Spec, numerics: Numerics, planes: bool):
+    def __init__(self, settings: LagrangianSettings, spec: Spec, numerics: Numerics, traits: Traits):
         """Pick the kernels; nothing is compiled before the first launch."""
         s = settings.eulerian or NO_EULERIAN
-        super().__init__(settings, spec, numerics, planes, correction=s.correction)
+        planes, parts = traits.planes, [ARTIFICIAL] * s.artificial_stress
+        super().__init__(settings, spec, numerics, traits, parts, correction=s.correction)
         coupling = Coupling(numerics.coupling, numerics.interface_stress, numerics.contact is not None)
         mutual = numerics.coupling == "conservative"
-        terms = PairTerms(s.correction, False, s.artificial_stress, planes, coupling)
+        terms = PairTerms(s.correction, False, s.artificial_stress, planes, coupling, traits.kept, self.parts)
         lagrangian_terms = LagrangianTerms(
-            settings.correction, numerics.hourglass > 0.0, False, True, mutual, self._sheet, planes
+            settings.correction,
+            numerics.hourglass > 0.0,
+            False,
+            True,
+            mutual,
+            self._sheet,
+            planes,
+            self.parts,
         )
         self._momentum = make_momentum(spec, self.smoothing, terms)
         self._momentum_lagrangian = make_momentum_lagrangian(spec, self.smoothing, lagrangian_terms)
@@ -44,7 +53,7 @@ class Adaptive(Lagrangian):
     def arrays(self, n: int) -> dict[str, wp.array]:
         """Add the artificial stress R."""
         stressed = n if self._artificial_stress else 1
-        return super().arrays(n) | {"R": wp.zeros(stressed, dtype=self._spec.mat)}
+        return super().arrays(n) | {"R": wp.zeros(stressed, dtype=self._spec.sym)}
 
     def derive(self, bind: Bind) -> list[Command]:
         """R from σ besides."""

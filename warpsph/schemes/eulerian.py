@@ -7,12 +7,13 @@ from warpsph.kernels.artificial_stress import make_artificial_stress
 from warpsph.kernels.coupling import Coupling
 from warpsph.kernels.kinematics import make_kinematics
 from warpsph.kernels.momentum_eulerian import PairTerms, make_momentum
+from warpsph.kernels.parts import ARTIFICIAL, VISCOUS
 from warpsph.kernels.spec import Spec
 from warpsph.kernels.viscosity import MORRIS_MIN, make_switches
 from warpsph.launch import Command
 
 from . import EulerianSettings, LagrangianSettings
-from .scheme import Bind, Scheme, bound
+from .scheme import Bind, Scheme, Traits, bound
 
 
 def viscosity(settings: EulerianSettings | LagrangianSettings, numerics: Numerics) -> tuple[float, float]:
@@ -24,17 +25,20 @@ def viscosity(settings: EulerianSettings | LagrangianSettings, numerics: Numeric
 class Eulerian(Scheme):
     """Kernels and constants of the Eulerian family."""
 
-    def __init__(self, settings: EulerianSettings, spec: Spec, numerics: Numerics, planes: bool):
+    def __init__(self, settings: EulerianSettings, spec: Spec, numerics: Numerics, traits: Traits):
         """Pick the kernels; nothing is compiled before the first launch."""
-        s = settings
+        s, planes = settings, traits.planes
+        switched, parts = s.viscosity != "monaghan", (VISCOUS, *([ARTIFICIAL] * s.artificial_stress))
         super().__init__(
             spec, numerics, correction=s.correction, gradient_ratio=s.gradient_ratio,
-            exact_energy=s.exact_energy, parts=True, planes=planes,
+            exact_energy=s.exact_energy, parts=parts, switched=switched, traits=traits,
         )  # fmt: skip
         self.viscosity_alpha, self.viscosity_beta = viscosity(s, numerics)
         self.first_switch = MORRIS_MIN if s.viscosity == "morris" else 1.0
-        switched, coupling = s.viscosity != "monaghan", Coupling(separate=numerics.contact is not None)
-        terms = PairTerms(s.correction, switched, s.artificial_stress, planes, coupling)
+        coupling = Coupling(separate=numerics.contact is not None)
+        terms = PairTerms(
+            s.correction, switched, s.artificial_stress, planes, coupling, traits.kept, self.parts
+        )
         self._momentum = make_momentum(spec, self.smoothing, terms)
         self._velocity_gradient = make_kinematics(
             spec, self.smoothing, s.correction, planes, coupling.separate
@@ -45,7 +49,7 @@ class Eulerian(Scheme):
     def arrays(self, n: int) -> dict[str, wp.array]:
         """Add the artificial stress R."""
         stressed = n if self._artificial_stress else 1
-        return super().arrays(n) | {"R": wp.zeros(stressed, dtype=self._spec.mat)}
+        return super().arrays(n) | {"R": wp.zeros(stressed, dtype=self._spec.sym)}
 
     def probe(self, bind: Bind) -> list[Command]:
         """Forces and approach speeds."""

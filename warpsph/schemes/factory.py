@@ -15,11 +15,11 @@ from .checks import check_contact, check_eulerian, check_lagrangian, check_radiu
 from .eulerian import Eulerian
 from .godunov import ParshikovMedin, TimeSplit
 from .lagrangian import TotalLagrangian
-from .scheme import Scheme
+from .scheme import Scheme, Traits
 
 
-def make_scheme(data: SceneData, spec: Spec) -> Scheme:
-    """Build the scheme that a scene names.
+def make_scheme(data: SceneData, spec: Spec, kept: bool = False) -> Scheme:
+    """Build the scheme that a scene names; ``kept``: see `warpsph.memory.Policy`.
 
     Raises:
         InputError: If the scheme cannot serve the scene; says what is missing.
@@ -33,12 +33,22 @@ def make_scheme(data: SceneData, spec: Spec) -> Scheme:
     else:
         check_eulerian(data)
     fragile = any(material.tension_lost < math.inf for material in data.materials)
-    scheme = make_family(spec, data.numerics, bool(data.planes), fragile, len(data.bodies) == 1)
+    scheme = make_family(
+        spec, data.numerics, bool(data.planes), fragile, len(data.bodies) == 1, bool(np.any(data.fixed)), kept
+    )
     check_radius(data, scheme.support * data.h)
     return scheme
 
 
-def make_family(spec: Spec, numerics: Numerics, planes: bool, fragile: bool, alone: bool = False) -> Scheme:
+def make_family(
+    spec: Spec,
+    numerics: Numerics,
+    planes: bool,
+    fragile: bool,
+    alone: bool = False,
+    constrained: bool = False,
+    kept: bool = False,
+) -> Scheme:
     """Build the scheme of some numerical settings.
 
     Args:
@@ -47,16 +57,18 @@ def make_family(spec: Spec, numerics: Numerics, planes: bool, fragile: bool, alo
         planes: There are symmetry planes.
         fragile: Some material bears no tension, or none once it has failed.
         alone: There is one body.
+        constrained: Some particle is fixed or driven.
+        kept: The force loop leaves its pairs to the loops that follow.
     """
-    settings = SCHEMES[numerics.scheme]
+    settings, traits = SCHEMES[numerics.scheme], Traits(planes, fragile, alone, constrained, kept)
     if isinstance(settings, EulerianSettings):
-        return Eulerian(settings, spec, numerics, planes)
+        return Eulerian(settings, spec, numerics, traits)
     if isinstance(settings, LagrangianSettings):
         if settings.eulerian is None and (alone or numerics.contact is not None):
-            return TotalLagrangian(settings, spec, numerics, planes, alone)
-        return Adaptive(settings, spec, numerics, planes)
+            return TotalLagrangian(settings, spec, numerics, traits)
+        return Adaptive(settings, spec, numerics, traits)
     family = TimeSplit if settings.split else ParshikovMedin
-    return family(settings, spec, numerics, planes, fragile)
+    return family(settings, spec, numerics, traits)
 
 
 def _check_godunov(data: SceneData) -> None:

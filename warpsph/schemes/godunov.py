@@ -11,7 +11,7 @@ from warpsph.kernels.spec import Spec
 from warpsph.launch import Command
 
 from . import GodunovSettings
-from .scheme import Bind, Scheme, bound
+from .scheme import Bind, Scheme, Traits, bound
 
 
 class Godunov(Scheme):
@@ -24,14 +24,12 @@ class Godunov(Scheme):
 class ParshikovMedin(Godunov):
     """All waves of a pair in one loop (`pm`; `con` of Young et al.)."""
 
-    def __init__(
-        self, settings: GodunovSettings, spec: Spec, numerics: Numerics, planes: bool, fragile: bool
-    ):
+    def __init__(self, settings: GodunovSettings, spec: Spec, numerics: Numerics, traits: Traits):
         """Pick the kernels; nothing is compiled before the first launch."""
-        s = settings
+        s, planes, fragile = settings, traits.planes, traits.fragile
         super().__init__(
             spec, numerics, correction=s.correction, gradient_ratio=s.gradient_ratio,
-            exact_energy=s.exact_energy, planes=planes,
+            exact_energy=s.exact_energy, traits=traits,
         )  # fmt: skip
         self._fluxes = make_godunov_pm(spec, self.smoothing, numerics.riemann, fragile, s.correction, planes)
 
@@ -54,20 +52,22 @@ class ParshikovMedin(Godunov):
 class TimeSplit(Godunov):
     """Deviatoric and hydrodynamic stages, one after the other (`ts1`, `ts2`)."""
 
-    def __init__(
-        self, settings: GodunovSettings, spec: Spec, numerics: Numerics, planes: bool, fragile: bool
-    ):
+    def __init__(self, settings: GodunovSettings, spec: Spec, numerics: Numerics, traits: Traits):
         """Pick the kernels; nothing is compiled before the first launch."""
-        s = settings
+        s, planes, fragile = settings, traits.planes, traits.fragile
         super().__init__(
-            spec, numerics, correction=s.correction, gradient_ratio=s.gradient_ratio, split=True, planes=planes
+            spec, numerics, correction=s.correction, gradient_ratio=s.gradient_ratio, split=True, traits=traits
         )  # fmt: skip
         self.limiter_beta = numerics.limiter_beta
         self._second = s.order == 2
         states = Reconstruction(numerics.riemann, s.order, numerics.limiter, numerics.limit_jump, fragile)
-        self._deviatoric = make_deviatoric(spec, self.smoothing, s.order, s.correction, planes)
-        self._hydrodynamic = make_hydrodynamic(spec, self.smoothing, states, s.correction, planes)
-        self._velocity_gradient = make_kinematics(spec, self.smoothing, s.correction, planes)
+        self._deviatoric = make_deviatoric(spec, self.smoothing, s.order, s.correction, planes, traits.kept)
+        self._hydrodynamic = make_hydrodynamic(
+            spec, self.smoothing, states, s.correction, planes, traits.kept
+        )
+        self._velocity_gradient = make_kinematics(
+            spec, self.smoothing, s.correction, planes, kept=traits.kept
+        )
 
     def arrays(self, n: int) -> dict[str, wp.array]:
         """Add the volume rate, the slopes of the reconstruction, and v at the start of the step."""

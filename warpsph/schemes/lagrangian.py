@@ -1,18 +1,21 @@
 """The Total Lagrangian scheme: one step as an ordered list of launches (method sections 4, 7 and 11; paper A eq 2)."""
 
+from collections.abc import Sequence
+
 import warp as wp
 
 from warpsph.config import Conversion, Numerics
 from warpsph.kernels.conversion import Criteria, make_conversion
 from warpsph.kernels.deformation import make_deformation
 from warpsph.kernels.momentum_lagrangian import LagrangianTerms, make_momentum_lagrangian
+from warpsph.kernels.parts import HOURGLASS, VISCOUS
 from warpsph.kernels.spec import Spec
 from warpsph.launch import Command
 from warpsph.reference import Reference
 
 from . import LagrangianSettings
 from .eulerian import viscosity
-from .scheme import Bind, Scheme, bound
+from .scheme import Bind, Scheme, Traits, bound
 
 
 class Lagrangian(Scheme):
@@ -29,11 +32,30 @@ class Lagrangian(Scheme):
 
     reference: Reference
 
-    def __init__(self, settings: LagrangianSettings, spec: Spec, numerics: Numerics, planes: bool, **options):
-        """Pick the kernels; nothing is compiled before the first launch."""
+    def __init__(
+        self,
+        settings: LagrangianSettings,
+        spec: Spec,
+        numerics: Numerics,
+        traits: Traits,
+        parts: Sequence[int] = (),
+        *,
+        correction: bool,
+    ):
+        """Pick the kernels; nothing is compiled before the first launch.
+
+        Args:
+            settings: The scheme's settings.
+            spec: Specialisation.
+            numerics: Numerical settings of the scene.
+            traits: What of the scene is compiled in.
+            parts: Parts of the forces beside viscosity, hourglass control and contact.
+            correction: Mixed correction of Eulerian particles' gradients.
+        """
+        planes = traits.planes
         super().__init__(
-            spec, numerics, gradient_ratio=settings.gradient_ratio, parts=True, lagrangian=True, planes=planes,
-            **options,
+            spec, numerics, correction=correction, gradient_ratio=settings.gradient_ratio,
+            parts=(VISCOUS, *parts, *([HOURGLASS] * (numerics.hourglass > 0.0))), lagrangian=True, traits=traits,
         )  # fmt: skip
         self.viscosity_alpha, self.viscosity_beta = viscosity(settings, numerics)
         self.reference_correction, self.hourglass = settings.correction, numerics.hourglass
@@ -41,7 +63,7 @@ class Lagrangian(Scheme):
         given = numerics.conversion
         self.turns = int(numerics.inverted == "convert")
         self.layers, self.strain_limit = (given.layers, given.strain or 1.0) if given else (0, 1.0)
-        self._ends = make_conversion(spec, _criteria(given), planes)
+        self._ends = make_conversion(spec, _criteria(given), planes, self._sheet)
 
     def arrays(self, n: int) -> dict[str, wp.array]:
         """Add cofactor, first Piola-Kirchhoff stress and what the ends of Lagrangian particles need."""
@@ -71,18 +93,23 @@ class Lagrangian(Scheme):
 class TotalLagrangian(Lagrangian):
     """All particles are Lagrangian to the end, or until they are eroded: bodies only meet in contact."""
 
-    def __init__(
-        self, settings: LagrangianSettings, spec: Spec, numerics: Numerics, planes: bool, alone: bool
-    ):
-        """Pick the kernels; ``alone``: there is one body, so that no step needs to search."""
-        super().__init__(settings, spec, numerics, planes, correction=False)
-        self.searching = not alone
+    def __init__(self, settings: LagrangianSettings, spec: Spec, numerics: Numerics, traits: Traits):
+        """Pick the kernels; nothing is compiled before the first launch."""
+        super().__init__(settings, spec, numerics, traits, correction=False)
+        self.searching = not traits.alone  # one body alone has nothing to find
         terms = LagrangianTerms(
-            settings.correction, numerics.hourglass > 0.0, numerics.erosion, False, False, self._sheet, planes
+            settings.correction,
+            numerics.hourglass > 0.0,
+            numerics.erosion,
+            False,
+            False,
+            self._sheet,
+            traits.planes,
+            self.parts,
         )
         self._momentum = make_momentum_lagrangian(spec, self.smoothing, terms)
         self._erodes = numerics.erosion
-        self._contact = None if alone else self._contact
+        self._contact = None if traits.alone else self._contact
 
     def probe(self, bind: Bind) -> list[Command]:
         """Forces and approach speeds."""

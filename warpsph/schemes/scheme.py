@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import warp as wp
 
@@ -10,7 +11,8 @@ from warpsph.kernels.constitutive import make_constitutive
 from warpsph.kernels.contact import make_contact
 from warpsph.kernels.correction import make_correction
 from warpsph.kernels.integrate import make_integrate
-from warpsph.kernels.parts import part_types
+from warpsph.kernels.ledger import make_ledger
+from warpsph.kernels.parts import CONTACT, Parts, part_types
 from warpsph.kernels.smoothing import make_smoothing
 from warpsph.kernels.spec import Spec
 from warpsph.kernels.tiles import make_tiles
@@ -19,6 +21,25 @@ from warpsph.launch import Command
 
 Bind = Callable[..., Command]
 """``bind(kernel, n)`` binds a launch over all particles, or over n threads, to the solver's arrays."""
+
+
+@dataclass(frozen=True)
+class Traits:
+    """What of a scene, and of the device it runs on, is compiled in.
+
+    Attributes:
+        planes: There are symmetry planes.
+        fragile: Some material bears no tension, or none once it has failed.
+        alone: There is one body.
+        constrained: Some particle is fixed or driven.
+        kept: The force loop leaves its pairs to the loops that follow, see `warpsph.memory.Policy`.
+    """
+
+    planes: bool = False
+    fragile: bool = False
+    alone: bool = False
+    constrained: bool = False
+    kept: bool = False
 
 
 class Scheme(ABC):
@@ -31,6 +52,8 @@ class Scheme(ABC):
         viscosity_beta: The same for the approach speed.
         gradient_ratio: ``Cf`` of the correction's limiter.
         groups: Groups of the field table that the scheme needs.
+        parts: Parts of the forces that it keeps apart.
+        ledger: The kernel of conserved quantities and extremes.
         searching: Neighbour rows of present positions are needed.
         wearing_role: From which role on a tile of the body's own wears the rows out, see `kernels.tiles`.
     """
@@ -49,9 +72,10 @@ class Scheme(ABC):
         gradient_ratio: float,
         exact_energy: bool = True,
         split: bool = False,
-        parts: bool = False,
+        parts: Parts = (),
+        switched: bool = False,
         lagrangian: bool = False,
-        planes: bool,
+        traits: Traits,
     ):
         """Pick the kernels that all families share; nothing is compiled before the first launch.
 
@@ -62,24 +86,36 @@ class Scheme(ABC):
             gradient_ratio: ``Cf`` of its limiter.
             exact_energy: Section 11's stepping.
             split: The density has a rate of its own.
-            parts: Forces have parts that the ledger keeps apart.
+            parts: Parts of the forces that the ledger keeps apart, but for contact.
+            switched: A switch scales the viscosity.
             lagrangian: There are Lagrangian particles.
-            planes: The scene has symmetry planes.
+            traits: What of the scene is compiled in.
         """
         self.gradient_ratio = gradient_ratio
-        self._spec, self._corrected, self._parts = spec, correction, parts
+        self._spec, self._corrected = spec, correction
         self.smoothing = make_smoothing(spec, numerics.kernel)
         self.support = self.smoothing.support
         contact = numerics.contact is not None
-        self.groups = frozenset(["lagrangian"] * lagrangian + ["contact"] * contact)
+        planes, constrained = traits.planes, traits.constrained
+        self._sheet = numerics.plane == "stress" and spec.dim == 2
+        self.parts = (*parts, *([CONTACT] * contact))
+        present = {
+            "lagrangian": lagrangian,
+            "contact": contact,
+            "constraint": constrained,
+            "sheet": self._sheet,
+        }
+        present |= {"switch": switched, "parts": bool(self.parts)}
+        self.groups = frozenset(group for group, on in present.items() if on)
         self.wearing_role = 1 if correction else 2
-        self._timestep, self._tiles = make_timestep(spec, lagrangian, contact), make_tiles(spec, lagrangian)
-        self._integrate = make_integrate(spec, exact_energy, parts)
+        self._timestep = make_timestep(spec, lagrangian, contact, switched)
+        self._tiles = make_tiles(spec, lagrangian)
+        self._integrate = make_integrate(spec, exact_energy, self.parts, constrained)
+        self.ledger = make_ledger(spec, self.parts, constrained)
         self._correction = (
             make_correction(spec, self.smoothing, planes, contact, lagrangian) if correction else None
         )
-        self._contact = make_contact(spec, self.smoothing, planes).contact if contact else None
-        self._sheet = numerics.plane == "stress" and spec.dim == 2
+        self._contact = make_contact(spec, self.smoothing, planes, self.parts).contact if contact else None
         self._constitutive = make_constitutive(spec, self._sheet, split, lagrangian)
 
     def arrays(self, n: int) -> dict[str, wp.array]:
@@ -89,9 +125,16 @@ class Scheme(ABC):
             n: Number of particles.
         """
         s, corrected = self._spec, n if self._corrected else 1
-        parted, types = n if self._parts else 1, part_types(self._spec)
-        unused = {"X": s.vec, "F": s.mat, "vol0": s.real, "ripe": wp.int32, "fate": wp.int32}
-        unused |= {"shrink": s.real, "contact_rate": s.real}
+        parted, types = n if self.parts else 1, part_types(s, len(self.parts))
+        unused = {"X": s.point, "F": s.mat, "vol0": s.real, "ripe": wp.int32, "fate": wp.int32}
+        unused |= {"shrink": s.real, "contact_rate": s.real, "thickness": s.real, "av_switch": s.real}
+        unused |= {
+            "fixed": wp.int32,
+            "impulse": s.vec,
+            "twist": s.vec,
+            "work": s.real,
+            "e_parts": types.power,
+        }
         return {name: wp.zeros(1, dtype=dtype) for name, dtype in unused.items()} | {
             "dedt": wp.zeros(n, dtype=s.real),
             "div": wp.zeros(1, dtype=s.real),

@@ -7,7 +7,7 @@ import numpy as np
 
 from . import hdf5
 
-FORM, VERSION = "warpsph checkpoint", 1
+FORM, VERSION = "warpsph checkpoint", 2
 """Name and version of the format; the version rises when old readers would fail."""
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 FORM, VERSION = "warpsph snapshot", 1
 """Name and version of the format; the version rises when old readers would fail."""
 
-COMPONENTS = {"int": (), "real": (), "vec": (3,), "mat": (9,)}
+COMPONENTS = {"int": (), "real": (), "vec": (3,), "point": (3,), "mat": (9,), "sym": (9,)}
 """Shape of one particle's entry in the file."""
 
 
@@ -169,4 +169,4 @@ def _shaped(f: Field, array: np.ndarray, n: int) -> np.ndarray:
     """
     if array.shape != (n, *COMPONENTS[f.kind]):
         raise ValueError(f"field {f.title!r} has shape {array.shape}; expected {(n, *COMPONENTS[f.kind])}")
-    return array.reshape(n, 3, 3) if f.kind == "mat" else array
+    return array.reshape(n, 3, 3) if f.kind in ("mat", "sym") else array

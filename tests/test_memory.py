@@ -1,0 +1,111 @@
+"""Device memory: what a particle takes, and that thrift changes no number."""
+
+import numpy as np
+import pytest
+import warp as wp
+from tools import PLASTIC, SPACING, by_id, collision, jittered, run, scene
+
+from warpsph.block import Block
+from warpsph.config import Contact, Conversion
+from warpsph.fields import FIELDS
+from warpsph.kernels.ledger import SUMS
+from warpsph.memory import GENEROUS, THRIFTY, usage
+from warpsph.rows import FEWEST_CELLS, cells
+from warpsph.solver import Solver
+
+MOST = 700
+"""Bytes that a particle may take in single precision, with its rows: 57 neighbours within the support."""
+
+
+def block_of(n, precision="float32"):
+    """A jittered cube of n³ particles at rest under the policy of a GPU."""
+    made = scene(3, scheme="sav1")
+    made.add_body("block", jittered(3, n, amount=0.15), "aluminium")
+    return Solver(made.finalize(), precision=precision, policy=THRIFTY)
+
+
+def test_a_particle_in_space_takes_at_most_700_bytes():
+    """Rows are counted as if every particle had the neighbours of the middle: the skin of a small cube has fewer."""
+    solver = block_of(24)
+    n, found = solver.particles.n, usage(solver)
+    entries = found.pop("rows.words") / n
+    counts, x = solver.neighbours.n_neigh.numpy(), solver.particles.x.numpy()
+    middle = np.all(np.abs(x - x.mean(axis=0)) < 8 * SPACING, axis=1)
+    fixed = sum(value for name, value in found.items() if value >= n) / n  # not what any run has
+    assert fixed + entries * counts[middle].mean() / counts.mean() < MOST
+    assert solver.mean_neighbours() > 50
+
+
+def test_usage_counts_every_field_once():
+    solver = block_of(6)
+    found, n = usage(solver), solver.particles.n
+    assert found["particles.dvdx"] == 36 * n and found["particles.tau"] == 24 * n
+    assert sum(name.startswith("particles.") for name in found) == len(solver.particles.fields)
+    assert found["rows.words"] == 4 * solver.neighbours.neigh.size and "neighbours.neigh" not in found
+
+
+@pytest.mark.parametrize(
+    ("scheme", "options"),
+    [
+        ("sav1", {}),
+        ("bal-mixed-as", {"contact": Contact(stiffness=0.25)}),
+        ("ts2-mixed", {}),
+        ("ts1", {}),
+        ("adaptle-mixed", {"conversion": Conversion(strain=0.05), "contact": Contact(stiffness=0.25)}),
+        ("adaptle", {"conversion": Conversion(strain=0.05)}),
+    ],
+)
+def test_thrift_changes_no_bit(scheme, options):
+    made = collision(2, speed=900.0, scheme=scheme, **options)
+    rich, poor = (run(made, 3e-6, policy=policy) for policy in (GENEROUS, THRIFTY))
+    assert rich.neighbours.builds == poor.neighbours.builds > 2
+    for f in rich.particles.fields:
+        np.testing.assert_array_equal(by_id(rich, f.name), by_id(poor, f.name), err_msg=f.name)
+    assert poor.neighbours.neigh.size < rich.neighbours.neigh.size and poor.neighbours.slope.size == 1
+
+
+def test_fields_that_a_run_has_no_use_for_take_nothing():
+    free, held = collision(2), collision(2)
+    held.fix("right", lambda x: x[:, 0] > 0.0)
+    free, held = (run(made, 1e-6) for made in (free, held))
+    names = {f.name for f in free.particles.fields}
+    assert not names & {"fixed", "impulse", "twist", "work", "thickness", "av_switch"}
+    assert {f.name for f in held.particles.fields} - names == {"fixed", "impulse", "twist", "work"}
+    assert free.particles.e_parts.dtype._shape_ == (1,)  # viscosity alone
+    # and yet everything is reported
+    assert not free.state().fixed.any() and held.state().fixed.any()
+    assert set(free.state().fields) == set(held.state().fields) >= {f.name for f in FIELDS if f.output and not f.group}
+    assert set(free.ledger()) == set(held.ledger()) >= set(SUMS)
+    assert free.ledger()["work"] == free.ledger()["contact_work"] == 0.0 != free.ledger()["viscous_work"]
+
+
+def test_stress_of_the_state_is_a_whole_tensor():
+    made = collision(2, material=PLASTIC)
+    solver = run(made, 2e-6)
+    tau = solver.state().tau
+    assert tau.shape == (solver.particles.n, 3, 3) and solver.particles.tau.numpy().shape[1:] == (6,)
+    np.testing.assert_array_equal(tau, tau.swapaxes(1, 2))
+    assert np.abs(tau[:, 0, 1]).max() > 0.0 == np.abs(tau[:, 2, :2]).max()
+
+
+def test_views_of_a_block_do_not_overlap():
+    block = Block(wp.get_device("cpu"))
+    a, b = block.views((wp.int32, 5), (wp.vec3d, 7))
+    a.fill_(1)
+    b.fill_(2.0)
+    assert (a.numpy() == 1).all() and (b.numpy() == 2.0).all() and b.ptr % 64 == block.words.ptr % 64
+    moved, size = block.generation, block.words.size
+    block.views((wp.int32, 3))
+    assert (block.generation, block.words.size) == (moved, size)
+    block.grow(size + 1)
+    assert block.generation == moved + 1
+
+
+@pytest.mark.parametrize("n", [100, 30_000, 1_000_000, 50_000_000])
+@pytest.mark.parametrize("extent", [(1.0, 1.0, 1.0), (0.01, 1.0, 1.0), (5.0, 0.1), (1.0,)])
+def test_cells_fit_the_scene_and_the_number_of_particles(n, extent):
+    dim, spacing = len(extent), (np.prod(extent) / n) ** (1.0 / len(extent))
+    found = cells(extent, 3.0 * spacing, n)
+    assert all(count & (count - 1) == 0 for count in found) and found[dim:] == (1,) * (3 - dim)
+    assert max(n, FEWEST_CELLS) / 2 <= np.prod(found) <= max(n, FEWEST_CELLS)
+    assert all(count * 3.0 * spacing >= size for count, size in zip(found, extent, strict=False))
