@@ -5,6 +5,7 @@ import pytest
 import warp as wp
 from tools import PLASTIC, SPACING, by_id, collision, jittered, run, scene
 
+from warpsph import rows
 from warpsph.block import Block
 from warpsph.config import Contact, Conversion
 from warpsph.fields import FIELDS
@@ -28,7 +29,7 @@ def test_a_particle_in_space_takes_at_most_700_bytes():
     """Rows are counted as if every particle had the neighbours of the middle: the skin of a small cube has fewer."""
     solver = block_of(24)
     n, found = solver.particles.n, usage(solver)
-    entries = found.pop("rows.words") / n
+    entries = found.pop("neighbours.block") / n
     counts, x = solver.neighbours.n_neigh.numpy(), solver.particles.x.numpy()
     middle = np.all(np.abs(x - x.mean(axis=0)) < 8 * SPACING, axis=1)
     fixed = sum(value for name, value in found.items() if value >= n) / n  # not what any run has
@@ -41,7 +42,7 @@ def test_usage_counts_every_field_once():
     found, n = usage(solver), solver.particles.n
     assert found["particles.dvdx"] == 36 * n and found["particles.tau"] == 24 * n
     assert sum(name.startswith("particles.") for name in found) == len(solver.particles.fields)
-    assert found["rows.words"] == 4 * solver.neighbours.neigh.size and "neighbours.neigh" not in found
+    assert found["neighbours.block"] == 4 * solver.neighbours.neigh.size
 
 
 @pytest.mark.parametrize(
@@ -64,6 +65,21 @@ def test_thrift_changes_no_bit(scheme, options):
     assert poor.neighbours.neigh.size < rich.neighbours.neigh.size and poor.neighbours.slope.size == 1
 
 
+@pytest.mark.parametrize("policy", [GENEROUS, THRIFTY], ids=["generous", "thrifty"])
+@pytest.mark.parametrize("scheme", ["sav1", "ts2", "tl", "adaptle-mixed"])
+def test_rows_in_pieces_are_the_same_rows(monkeypatch, scheme, policy):
+    """Where there are more particles than one array has entries for."""
+    made = collision(
+        2, speed=900.0, scheme=scheme, contact=None if scheme == "ts2" else Contact(stiffness=0.25)
+    )
+    whole = run(made, 2e-6, policy=policy)
+    monkeypatch.setattr(rows, "LENGTH", 40)
+    cut = run(made, 2e-6, policy=policy, threads=2)
+    assert len(cut.neighbours.neigh.arrays) == -(-cut.particles.n // 40) > 2
+    for name, values in whole.particles.arrays().items():
+        np.testing.assert_array_equal(values, cut.particles.arrays()[name], err_msg=name)
+
+
 def test_fields_that_a_run_has_no_use_for_take_nothing():
     free, held = collision(2), collision(2)
     held.fix("right", lambda x: x[:, 0] > 0.0)
@@ -74,7 +90,11 @@ def test_fields_that_a_run_has_no_use_for_take_nothing():
     assert free.particles.e_parts.dtype._shape_ == (1,)  # viscosity alone
     # and yet everything is reported
     assert not free.state().fixed.any() and held.state().fixed.any()
-    assert set(free.state().fields) == set(held.state().fields) >= {f.name for f in FIELDS if f.output and not f.group}
+    assert (
+        set(free.state().fields)
+        == set(held.state().fields)
+        >= {f.name for f in FIELDS if f.output and not f.group}
+    )
     assert set(free.ledger()) == set(held.ledger()) >= set(SUMS)
     assert free.ledger()["work"] == free.ledger()["contact_work"] == 0.0 != free.ledger()["viscous_work"]
 
@@ -93,10 +113,10 @@ def test_views_of_a_block_do_not_overlap():
     a, b = block.views((wp.int32, 5), (wp.vec3d, 7))
     a.fill_(1)
     b.fill_(2.0)
-    assert (a.numpy() == 1).all() and (b.numpy() == 2.0).all() and b.ptr % 64 == block.words.ptr % 64
-    moved, size = block.generation, block.words.size
+    assert (a.numpy() == 1).all() and (b.numpy() == 2.0).all() and b.ptr % 64 == block.lines.ptr % 64
+    moved, size = block.generation, block.size
     block.views((wp.int32, 3))
-    assert (block.generation, block.words.size) == (moved, size)
+    assert (block.generation, block.size) == (moved, size)
     block.grow(size + 1)
     assert block.generation == moved + 1
 

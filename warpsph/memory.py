@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 
 import warp as wp
 
+from .block import Block
+
 if TYPE_CHECKING:
     from .solver import Solver
 
@@ -42,16 +44,22 @@ def policy_of(device: wp.Device) -> Policy:
 def usage(solver: "Solver") -> dict[str, int]:
     """Bytes of device memory of every array of a solver, by owner and name, the largest first.
 
-    ``rows.words`` is the block that holds the neighbour rows' entries, and the work space of rebuilding them before;
-    the hash grids' memory is what `warpsph.rows.Rows` asks for. Work space that Warp keeps for itself is not counted.
+    ``neighbours.block`` holds the rows' entries, and the work space of rebuilding them before; the hash grid's memory is
+    what `warpsph.rows.Rows` asks for. Work space that Warp keeps for itself is not counted.
     """
     found: dict[str, int] = {}
     seen: set[int] = set()
     for owner, thing in solver.owners().items():
         for name, value in vars(thing).items():
-            if isinstance(value, wp.array) and value.ptr not in seen:
-                seen.add(value.ptr)
-                found[f"{owner}.{name.lstrip('_')}"] = value.capacity
+            array = value.lines if isinstance(value, Block) else value
+            if isinstance(array, wp.array) and array.ptr not in seen and not _borrowed(array):
+                seen.add(array.ptr)
+                found[f"{owner}.{name.lstrip('_')}"] = array.capacity
         if hasattr(thing, "grid_bytes"):
             found[f"{owner}.grid"] = thing.grid_bytes
     return dict(sorted(found.items(), key=lambda item: -item[1]))
+
+
+def _borrowed(array: wp.array) -> bool:
+    """Whether it is a view of memory that something else owns."""
+    return array.deleter is None

@@ -6,7 +6,7 @@ import warp as wp
 from .block import Block
 from .errors import InputError
 from .kernels.neighbours import make_neighbours
-from .launch import Launcher
+from .launch import Launcher, Pieces
 from .memory import Policy
 from .particles import Particles
 from .rows import Rows
@@ -43,6 +43,8 @@ class Neighbours:
         plane_mask: Bits 1, 2, 4: there is a plane normal to x, y, z.
         search: The rows and the hash grid.
         block: The memory of the entries, and of the work of rebuilding them.
+        copies: The memory of ``near``.
+        slopes: The memory of ``slope``.
         builds: Number of builds so far.
     """
 
@@ -95,12 +97,11 @@ class Neighbours:
             self.unlisted = wp.zeros(1, dtype=wp.int32)
             self.x_listed = wp.zeros(n, dtype=spec.vec)
             self._n_near = wp.zeros(n if policy.kept else 1, dtype=wp.int32)
-        self._copied = -1
-        self._follow_rows()
+        self.copies, self.slopes = Block(launcher.device), Block(launcher.device)
         self.builds = 0
 
     @property
-    def start(self) -> wp.array:
+    def start(self) -> wp.array | Pieces:
         """Row offsets, shape [n + 1], int32."""
         return self.search.start
 
@@ -110,14 +111,20 @@ class Neighbours:
         return self.search.n_neigh
 
     @property
-    def neigh(self) -> wp.array:
+    def neigh(self) -> wp.array | Pieces:
         """Entries, shape [capacity], int32."""
         return self.search.neigh
 
     @property
-    def near(self) -> wp.array:
+    def near(self) -> wp.array | Pieces:
         """Entries within the support, shape [capacity], int32."""
-        return self._near if self._kept else self.neigh
+        return self.search.by_entry(self.copies, wp.int32) if self._kept else self.neigh
+
+    @property
+    def slope(self) -> wp.array | Pieces:
+        """(dW/dr)/r of these [1/m^(dim+2)], shape [capacity]."""
+        real = self._particles.spec.real
+        return self.search.by_entry(self.slopes, real) if self._kept else self.slopes.view(real, 0, 1)
 
     @property
     def n_near(self) -> wp.array:
@@ -127,7 +134,7 @@ class Neighbours:
     @property
     def generation(self) -> int:
         """Changes when ``neigh`` has moved in memory: launches must be bound again."""
-        return self.block.generation
+        return self.search.generation
 
     def build(self) -> None:
         """Rebuild the rows, and re-sort the particles in memory first when it is time to."""
@@ -150,17 +157,10 @@ class Neighbours:
 
     def _fill(self, radius: float) -> None:
         self.search.fill(self, self._particles, radius=radius)
-        self._follow_rows()
-
-    def _follow_rows(self) -> None:
-        """Give the copies of the rows that a step makes the same capacity."""
-        if self._copied == self.generation:
-            return
-        capacity = self.neigh.size if self._kept else 1
-        with wp.ScopedDevice(self._launcher.device):
-            self._near = wp.empty(capacity, dtype=wp.int32)
-            self.slope = wp.empty(capacity, dtype=self._particles.spec.real)
-        self._copied = self.generation
+        if self._kept:  # what a step copies of the rows has the same capacity
+            words = wp.types.type_size_in_bytes(self._particles.spec.real) // 4
+            self.copies.grow(self.search.capacity)
+            self.slopes.grow(self.search.capacity * words)
 
     def mean_count(self) -> float:
         """Mean number of neighbours within the kernel's support now, the particle itself left out.

@@ -6,11 +6,14 @@ from dataclasses import replace
 import numpy as np
 import warp as wp
 
-from .block import Block
+from .block import Block, borrowed
 from .errors import RunError
 from .kernels.neighbours import NeighbourKernels
-from .launch import Launcher
+from .launch import Launcher, Pieces
 from .memory import Policy
+
+LENGTH = 1 << 22
+"""Particles whose rows share an array: it has no more than 2^31 entries, hence 500 for each of them."""
 
 FEWEST_CELLS = 4096
 """Cells that a hash grid may have however few particles there are; else it has at most one for each."""
@@ -21,8 +24,10 @@ class Rows:
 
     Attributes:
         grid: The hash grid, as it was last built.
-        start: Row offsets, shape [n + 1], int32.
+        start: Row offsets, shape [n + 1], int32; `Pieces` of these if there are more than `LENGTH` particles.
+        neigh: Entries (particle index and mirror bits), shape [capacity], int32, in pieces as ``start`` is.
         n_neigh: Entries in use in each row, shape [n], int32.
+        generation: Changes when entries have moved in memory: launches must be bound again.
     """
 
     def __init__(
@@ -61,13 +66,45 @@ class Rows:
             self.grid = wp.HashGrid(*self._cells, dtype=real)
             self.grid.reserve(-(-2 * n // 3))  # the grid makes half as much room again as it is asked for
             self._overflow = wp.zeros(1, dtype=wp.int32)
-            self.start = wp.zeros(n + 1, dtype=wp.int32)
+            self._starts = wp.zeros(n + len(self._cuts()), dtype=wp.int32)
             self.n_neigh = wp.zeros(n, dtype=wp.int32)
+        self.start = self._by_particle(self._starts)
+        self._totals, self._layouts = [0] * len(self._cuts()), 0
 
     @property
-    def neigh(self) -> wp.array:
-        """Entries (particle index and mirror bits), shape [capacity], int32; grows, never truncates."""
-        return self._block.words
+    def generation(self) -> int:
+        """Changes when entries have moved in memory."""
+        return self._block.generation + self._layouts
+
+    @property
+    def capacity(self) -> int:
+        """Places of all rows together."""
+        return self._block.size
+
+    @property
+    def neigh(self) -> wp.array | Pieces:
+        """Entries; grows, never truncates."""
+        return self.by_entry(self._block, wp.int32)
+
+    def by_entry(self, block: Block, dtype: type) -> wp.array | Pieces:
+        """Memory of ``capacity`` entries as the rows are laid out."""
+        if len(self._totals) == 1:
+            return block.view(dtype, 0, self.capacity)
+        firsts = [sum(self._totals[:k]) for k in range(len(self._totals))]
+        pieces = zip(firsts, self._totals, strict=True)
+        return Pieces(tuple(block.view(dtype, first, max(total, 1)) for first, total in pieces), LENGTH)
+
+    def _cuts(self) -> list[tuple[int, int]]:
+        """First and last but one particle of each piece."""
+        return [(first, min(first + LENGTH, self._n)) for first in range(0, self._n, LENGTH)]
+
+    def _by_particle(self, words: wp.array) -> wp.array | Pieces:
+        """An array of one word for each particle, and one more for each piece, by the particle's index."""
+        if words.size == self._n + 1:
+            return words
+        pieces = range(words.size - self._n)
+        views = (borrowed(words, 4 * k, wp.int32, self._n + 1) for k in pieces)
+        return Pieces(tuple(views), LENGTH)
 
     @property
     def grid_bytes(self) -> int:
@@ -96,15 +133,21 @@ class Rows:
         Raises:
             RunError: Offsets no longer fit into 32 bits.
         """
-        (room,) = self._block.views((wp.int32, self._n + 1))
-        room.zero_()  # the last stays 0: the scan ends in the total
-        self._launcher.launch(self._kernels.reserve, self._n, self, self._policy, room=room)
-        wp.utils.array_scan(room, self.start, inclusive=False)
-        total = int(self.start[self._n :].numpy()[0])
-        if total < 0:
-            raise RunError(f"the neighbour rows of {self._n} particles need more than {2**31 - 1} entries")
-        if total > self.neigh.size:
-            self._block.grow(int(self._policy.growth * total))
+        (room,) = self._block.views((wp.int32, self._starts.size))
+        room.zero_()  # the last of a piece stays 0: its scan ends in the total
+        self._launcher.launch(
+            self._kernels.reserve, self._n, self, self._policy, room=self._by_particle(room)
+        )
+        self._totals = []
+        for k, (first, last) in enumerate(self._cuts()):
+            starts = self._starts[first + k : last + k + 1]
+            wp.utils.array_scan(room[first + k : last + k + 1], starts, inclusive=False)
+            self._totals.append(int(starts[last - first :].numpy()[0]))
+        if min(self._totals) < 0:
+            raise RunError(f"neighbour rows of {LENGTH} particles need more than {2**31 - 1} entries")
+        if sum(self._totals) > self.capacity:
+            self._block.grow(int(self._policy.growth * sum(self._totals)))
+        self._layouts += len(self._totals) > 1
 
     def mean_count(self) -> float:
         """Mean length of the rows."""

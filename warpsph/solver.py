@@ -263,7 +263,7 @@ class Solver:
         """Everything that holds device arrays as attributes, by name (see `warpsph.memory.usage`)."""
         found = {"particles": self.particles, "work": self._work, "clock": self._clock}
         found |= {"neighbours": self.neighbours, "tiles": self.neighbours.tiles}
-        found |= {"search": self.neighbours.search, "rows": self.neighbours.block}
+        found |= {"search": self.neighbours.search}
         if self.reference is not None:
             found["reference"] = self.reference
         return found
