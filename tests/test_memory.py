@@ -11,7 +11,7 @@ from warpsph.config import Contact, Conversion
 from warpsph.fields import FIELDS
 from warpsph.kernels.ledger import SUMS
 from warpsph.memory import GENEROUS, THRIFTY, usage
-from warpsph.rows import FEWEST_CELLS, cells
+from warpsph.rows import FEWEST_CELLS
 from warpsph.solver import Solver
 
 MOST = 700
@@ -42,7 +42,7 @@ def test_usage_counts_every_field_once():
     found, n = usage(solver), solver.particles.n
     assert found["particles.dvdx"] == 36 * n and found["particles.tau"] == 24 * n
     assert sum(name.startswith("particles.") for name in found) == len(solver.particles.fields)
-    assert found["neighbours.block"] == 4 * solver.neighbours.neigh.size
+    assert found["neighbours.block"] == 4 * solver.neighbours.block.size >= 4 * solver.neighbours.neigh.size
 
 
 @pytest.mark.parametrize(
@@ -121,11 +121,18 @@ def test_views_of_a_block_do_not_overlap():
     assert block.generation == moved + 1
 
 
-@pytest.mark.parametrize("n", [100, 30_000, 1_000_000, 50_000_000])
+@pytest.mark.parametrize("n", [100, 100_000])
 @pytest.mark.parametrize("extent", [(1.0, 1.0, 1.0), (0.01, 1.0, 1.0), (5.0, 0.1), (1.0,)])
 def test_cells_fit_the_scene_and_the_number_of_particles(n, extent):
     dim, spacing = len(extent), (np.prod(extent) / n) ** (1.0 / len(extent))
-    found = cells(extent, 3.0 * spacing, n)
-    assert all(count & (count - 1) == 0 for count in found) and found[dim:] == (1,) * (3 - dim)
-    assert max(n, FEWEST_CELLS) / 2 <= np.prod(found) <= max(n, FEWEST_CELLS)
-    assert all(count * 3.0 * spacing >= size for count, size in zip(found, extent, strict=False))
+    x = np.zeros((n, 3))
+    x[1, :dim] = extent
+    most = max(n, FEWEST_CELLS)
+    for mirrored in ([], [0]):
+        found = rows.cells(x, dim, 4.0 * spacing, mirrored)
+        assert all(count >= 4 and count & (count - 1) == 0 for count in found[:dim]) and found[dim:] == (
+            1,
+        ) * (3 - dim)
+        assert most / 2 < np.prod(found) <= most
+        images = [2.0 if axis in mirrored else 1.0 for axis in range(dim)]
+        assert all(c * 4.0 * spacing >= k * size for c, k, size in zip(found, images, extent, strict=False))

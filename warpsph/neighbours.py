@@ -9,7 +9,7 @@ from .kernels.neighbours import make_neighbours
 from .launch import Launcher, Pieces
 from .memory import Policy
 from .particles import Particles
-from .rows import Rows
+from .rows import Rows, cells
 from .tiles import Tiles
 
 SORT_EVERY = 20
@@ -90,7 +90,8 @@ class Neighbours:
         self.plane_mask = sum(1 << axis for axis, _ in planes)
         self._kernels = make_neighbours(spec, bool(planes), selective=selective)
         self.block = Block(launcher.device)
-        self.search = Rows(x, self.radius, spec.dim, spec.real, self._kernels, launcher, policy, self.block)
+        size = cells(x, spec.dim, self.radius, [axis for axis, _ in planes])
+        self.search = Rows(n, size, spec.real, self._kernels, launcher, policy, self.block)
         self._kept = policy.kept
         with wp.ScopedDevice(launcher.device):
             self.role = wp.zeros(n if selective else 1, dtype=wp.int32)

@@ -13,7 +13,7 @@ from .launch import Command, Launcher
 from .memory import Policy
 from .neighbours import Neighbours
 from .particles import Particles
-from .rows import Rows, lasting
+from .rows import Rows, cells, lasting
 
 
 class Reference:
@@ -69,9 +69,8 @@ class Reference:
         """Find reference neighbours in the particles' present order in memory; `pairs` has to follow."""
         p, spec = self._particles, self._particles.spec
         reach, block = self._neighbours.support, Block(self._launcher.device)
-        rows = Rows(
-            p.X.numpy(), reach, spec.dim, spec.real, self._search, self._launcher, self._policy, block
-        )
+        size = cells(p.X.numpy(), spec.dim, reach)
+        rows = Rows(p.n, size, spec.real, self._search, self._launcher, self._policy, block)
         rows.grid.build(p.X, reach)
         self.rows = block
         rows.fill(self._neighbours, p, x=p.X, radius=reach)
