@@ -80,6 +80,14 @@ def test_rows_in_pieces_are_the_same_rows(monkeypatch, scheme, policy):
         np.testing.assert_array_equal(values, cut.particles.arrays()[name], err_msg=name)
 
 
+def test_a_lagrangian_body_alone_keeps_no_work_space():
+    made = scene(2, scheme="tl")
+    made.add_body("block", jittered(2, 12, amount=0.0), "aluminium", velocity=(10.0, 0.0, 0.0))
+    solver = run(made, 1e-7)
+    assert usage(solver)["neighbours.block"] < solver.particles.n
+    assert usage(solver)["reference.rows"] >= 4 * solver.reference.n_neigh0.numpy().sum()
+
+
 def test_fields_that_a_run_has_no_use_for_take_nothing():
     free, held = collision(2), collision(2)
     held.fix("right", lambda x: x[:, 0] > 0.0)

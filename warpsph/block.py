@@ -43,6 +43,11 @@ class Block:
         self.generation += 1
         return True
 
+    def release(self) -> None:
+        """Give the memory back: there is no further use."""
+        self.lines = wp.empty(1, dtype=LINE, device=self._device)
+        self.generation += 1
+
     def view(self, dtype: type, first: int, n: int) -> wp.array:
         """An array of n entries of one or two words, from the ``first`` on."""
         return borrowed(self.lines, first * wp.types.type_size_in_bytes(dtype), dtype, n)

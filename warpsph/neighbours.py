@@ -150,6 +150,7 @@ class Neighbours:
             self.search.grid.build(p.x, self.radius)
         self.builds += 1
         if not self._searching:
+            self.block.release()
             return
         self.tiles.build(self, self.block)
         self._fill(self.radius)
