@@ -13,9 +13,7 @@ from .tensor import make_tensor
 
 
 @functools.cache
-def make_deviatoric(
-    s: Spec, smoothing: Smoothing, order: int, corrected: bool, planes: bool
-) -> wp.Kernel:
+def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, planes: bool) -> wp.Kernel:
     """Build the loop; for second order it also leaves the slopes of pressure and density, and if asked the pairs."""
     real, vec, matrix, place, point = s.real, s.vec, s.mat, s.place, s.point
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)

@@ -33,7 +33,7 @@ def make_kinematics(
         separate: Neighbours of another body do not count.
         coupled: There are Lagrangian particles: their gradient is not found here, and eroded ones do not count.
     """
-    real, vec, mat, place, point = s.real, s.vec, s.mat, s.place, s.point
+    real, mat, place, point = s.real, s.mat, s.place, s.point
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     at, spot, worth, _, _, row_end, _ = make_lanes(s)

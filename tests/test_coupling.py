@@ -5,7 +5,7 @@ import pytest
 import warp as wp
 from tools import DENSITY, DOUBLE, ELASTIC, SPACING, G, K, by_id, forces, jittered, overwrite, scene
 
-from warpsph.kernels.coupling import ALL, ARTIFICIAL_STRESS, FORCE, KINEMATICS, Coupling, make_coupling
+from warpsph.kernels.coupling import ALL, ARTIFICIAL_STRESS, FORCE, Coupling, make_coupling
 from warpsph.kernels.kernel_type import EULERIAN, LAGRANGIAN
 from warpsph.schemes import SCHEMES, EulerianSettings, LagrangianSettings
 from warpsph.solver import Solver
@@ -141,7 +141,7 @@ def test_terms_of_a_pair(stress):
             assert found[E, E, 1, close] == ALL
             assert found[L, L, 1, close] == 0
             lagrangian = form == "conservative" and close
-            assert found[E, L, 1, close] == KINEMATICS | art_e | (0 if lagrangian else FORCE)
+            assert found[E, L, 1, close] == art_e | (0 if lagrangian else FORCE)
             assert found[L, E, 1, close] == art_l | (FORCE if form == "conservative" and not close else 0)
             for a, b in ((E, L), (L, E), (E, E), (L, L)):
                 assert found[a, b, 0, close] == ALL, "kernel contact"

@@ -2,8 +2,15 @@
 
 import warp as wp
 
-ALIGNMENT = 64
-"""Bytes to which the start of a view is rounded."""
+LINE = wp.types.vector(16, wp.int32)
+"""64 bytes, to which the start of a view is rounded. Counted in these, an array may be larger than 2^31 words."""
+
+
+def borrowed(owner: wp.array, start: int, dtype: type, n: int) -> wp.array:
+    """An array of n entries in another one's memory, from a byte on; it keeps that memory alive."""
+    view = wp.array(ptr=owner.ptr + start, dtype=dtype, shape=n, device=owner.device)
+    view._ref = owner  # as Warp's own slices do
+    return view
 
 
 class Block:
@@ -13,30 +20,44 @@ class Block:
     sorting the particles and finding the tiles work in their place.
 
     Attributes:
-        words: The memory, as int32.
+        lines: The memory.
         generation: Changes when it has moved.
     """
 
     def __init__(self, device: wp.Device):
-        """Start with nothing; the first use makes it as large as it needs."""
+        """Start with next to nothing; every use makes it as large as it needs."""
         self._device, self.generation = device, 0
-        self.words = wp.empty(1, dtype=wp.int32, device=device)
+        self.lines = wp.empty(1, dtype=LINE, device=device)
 
-    def grow(self, words: int) -> None:
-        """Make it at least so many words long; what was in it is lost where it has to move."""
-        if words > self.words.size:
-            self.words = None  # the old memory goes before the new comes
-            self.words = wp.empty(words, dtype=wp.int32, device=self._device)
-            self.generation += 1
+    @property
+    def size(self) -> int:
+        """Its length in words of four bytes."""
+        return LINE._length_ * self.lines.size
+
+    def grow(self, words: int) -> bool:
+        """Make it at least so many words long; where it has to move (True) what was in it is lost."""
+        if words <= self.size:
+            return False
+        self.lines = None  # the old memory goes before the new comes
+        self.lines = wp.empty(-(-words // LINE._length_), dtype=LINE, device=self._device)
+        self.generation += 1
+        return True
+
+    def release(self) -> None:
+        """Give the memory back: there is no further use."""
+        self.lines = wp.empty(1, dtype=LINE, device=self._device)
+        self.generation += 1
+
+    def view(self, dtype: type, first: int, n: int) -> wp.array:
+        """An array of n entries of one or two words, from the ``first`` on."""
+        return borrowed(self.lines, first * wp.types.type_size_in_bytes(dtype), dtype, n)
 
     def views(self, *layout: tuple[type, int]) -> list[wp.array]:
         """Cut arrays of (type, length) from the start on, one behind the other; their contents are undefined."""
-        starts, end = [], 0
+        line, starts, end = wp.types.type_size_in_bytes(LINE), [], 0
         for dtype, n in layout:
             starts.append(end)
-            end += -(-n * wp.types.type_size_in_bytes(dtype) // ALIGNMENT) * ALIGNMENT
+            end += -(-n * wp.types.type_size_in_bytes(dtype) // line) * line
         self.grow(end // 4)
-        return [
-            wp.array(ptr=self.words.ptr + start, dtype=dtype, shape=n, device=self._device)
-            for start, (dtype, n) in zip(starts, layout, strict=True)
-        ]
+        cuts = zip(starts, layout, strict=True)
+        return [borrowed(self.lines, start, dtype, n) for start, (dtype, n) in cuts]

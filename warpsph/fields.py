@@ -86,7 +86,7 @@ FIELDS: tuple[Field, ...] = (
         "real",
         "1",
         "thickness",
-        "thickness over its initial value (plane stress)",
+        "thickness over its initial value",
         False,
         "sheet",
     ),

@@ -5,6 +5,7 @@ import inspect
 import itertools
 import os
 from concurrent.futures import ThreadPoolExecutor, wait
+from dataclasses import dataclass
 
 import warp as wp
 
@@ -34,15 +35,34 @@ def _place(kernel: wp.Kernel) -> type | None:
     return None
 
 
+@dataclass(frozen=True)
+class Pieces:
+    """An argument that is another array for another range of threads: no array has more than 2^31 entries.
+
+    Attributes:
+        arrays: The arrays; the k-th serves the threads from k times ``length`` on.
+        length: Threads that share an array.
+    """
+
+    arrays: tuple[wp.array, ...]
+    length: int
+
+    def serving(self, thread: int) -> wp.array:
+        """The array of a thread."""
+        return self.arrays[thread // self.length]
+
+
 class Command:
     """A launch with its arguments bound: call it as often as you like."""
 
     def __init__(self, launcher: "Launcher", kernel: wp.Kernel, dim: int, args: list, grain: int):
         self._launcher = launcher
         self._slices = []
-        for first, size in launcher.slices(dim, grain):
+        lengths = [arg.length for arg in args if isinstance(arg, Pieces)]
+        for first, size in launcher.slices(dim, grain, min(lengths, default=dim)):
+            given = [arg.serving(first) if isinstance(arg, Pieces) else arg for arg in args]
             self._slices.append(
-                wp.launch(kernel, size, [first, *args], device=launcher.device, record_cmd=True)
+                wp.launch(kernel, size, [first, *given], device=launcher.device, record_cmd=True)
             )
 
     def __call__(self) -> None:
@@ -76,10 +96,11 @@ class Launcher:
         self.threads = 1 if self.device.is_cuda else (threads or cores)
         self._pool = ThreadPoolExecutor(self.threads - 1) if self.threads > 1 else None
 
-    def slices(self, dim: int, grain: int) -> list[tuple[int, int]]:
-        """Cut a launch of ``dim`` threads into (first, size) pieces."""
+    def slices(self, dim: int, grain: int, length: int | None = None) -> list[tuple[int, int]]:
+        """Cut a launch of ``dim`` threads into (first, size) pieces, none of them across a multiple of ``length``."""
         count = 1 if self._pool is None else min(self.threads * SLICES_PER_THREAD, dim // grain)
         edges = [dim * k // max(count, 1) for k in range(max(count, 1) + 1)]
+        edges = sorted({*edges, *range(0, dim, length or dim)})
         return [(a, b - a) for a, b in itertools.pairwise(edges) if b > a]
 
     def execute(self, slices: list[wp.Launch]) -> None:
@@ -144,6 +165,9 @@ def _checked(kernel: wp.Kernel, var, name: str, value: object) -> object:
         raise TypeError(f"{kernel.key}: struct {name!r} was built for another precision")
     if isinstance(value, wp.array) and getattr(var.type, "ndim", 1) > value.ndim:
         value = _components(value)
+    if isinstance(value, Pieces):
+        for array in value.arrays:
+            _checked(kernel, var, name, array)
     if isinstance(value, wp.array):
         expected, found = var.type.dtype, value.dtype
         if not wp.types.types_equal(expected, found):

@@ -6,10 +6,10 @@ import warp as wp
 from .block import Block
 from .errors import InputError
 from .kernels.neighbours import make_neighbours
-from .launch import Launcher
+from .launch import Launcher, Pieces
 from .memory import Policy
 from .particles import Particles
-from .rows import Rows
+from .rows import Rows, cells
 from .tiles import Tiles
 
 SORT_EVERY = 20
@@ -84,7 +84,8 @@ class Neighbours:
         self.plane_mask = sum(1 << axis for axis, _ in planes)
         self._kernels = make_neighbours(spec, bool(planes), selective=selective)
         self.block = Block(launcher.device)
-        self.search = Rows(x, self.radius, spec.dim, spec.place, self._kernels, launcher, policy, self.block)
+        size = cells(x, spec.dim, self.radius, [axis for axis, _ in planes])
+        self.search = Rows(n, size, spec.place, self._kernels, launcher, policy, self.block)
         with wp.ScopedDevice(launcher.device):
             self.role = wp.zeros(n if selective else 1, dtype=wp.int32)
             self.unlisted = wp.zeros(1, dtype=wp.int32)
@@ -92,7 +93,7 @@ class Neighbours:
         self.builds = 0
 
     @property
-    def start(self) -> wp.array:
+    def start(self) -> wp.array | Pieces:
         """Row offsets, shape [n + 1], int32."""
         return self.search.start
 
@@ -102,14 +103,14 @@ class Neighbours:
         return self.search.n_neigh
 
     @property
-    def neigh(self) -> wp.array:
+    def neigh(self) -> wp.array | Pieces:
         """Entries, shape [capacity], int32."""
         return self.search.neigh
 
     @property
     def generation(self) -> int:
         """Changes when ``neigh`` has moved in memory: launches must be bound again."""
-        return self.block.generation
+        return self.search.generation
 
     def build(self) -> None:
         """Rebuild the rows, and re-sort the particles in memory first when it is time to."""
@@ -124,6 +125,7 @@ class Neighbours:
             self.search.grid.build(p.x, self.radius)
         self.builds += 1
         if not self._searching:
+            self.block.release()
             return
         self.tiles.build(self, self.block)
         self._fill(self.radius)

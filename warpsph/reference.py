@@ -13,7 +13,7 @@ from .launch import Command, Launcher
 from .memory import Policy
 from .neighbours import Neighbours
 from .particles import Particles
-from .rows import Rows, lasting
+from .rows import Rows, cells, lasting
 
 
 class Reference:
@@ -29,6 +29,9 @@ class Reference:
         K0: Correction in the reference configuration, see `kernels.correction`; 1 long without.
         G0: The same.
         mean_count: Mean number of reference neighbours.
+        rows: The memory of ``neigh0``.
+        slopes: That of ``slope0``.
+        weights: That of ``w0``.
     """
 
     def __init__(
@@ -66,16 +69,21 @@ class Reference:
         """Find reference neighbours in the particles' present order in memory; `pairs` has to follow."""
         p, spec = self._particles, self._particles.spec
         reach, block = self._neighbours.support, Block(self._launcher.device)
-        rows = Rows(
-            p.X.numpy(), reach, spec.dim, spec.place, self._search, self._launcher, self._policy, block
-        )
+        size = cells(p.X.numpy(), spec.dim, reach)
+        rows = Rows(p.n, size, spec.place, self._search, self._launcher, self._policy, block)
         rows.grid.build(p.X, reach)
+        self.rows = block
         rows.fill(self._neighbours, p, x=p.X, radius=reach)
         self.start0, self.n_neigh0, self.neigh0 = rows.start, rows.n_neigh, rows.neigh
         self.mean_count = rows.mean_count()
-        with wp.ScopedDevice(self._launcher.device):
-            self.slope0 = wp.zeros(rows.neigh.size, dtype=spec.real)
-            self.w0 = wp.zeros(rows.neigh.size if self._corrected else 1, dtype=spec.real)
+        self.slopes, self.weights = Block(self._launcher.device), Block(self._launcher.device)
+        words = wp.types.type_size_in_bytes(spec.real) // 4
+        self.slopes.grow(rows.capacity * words)
+        self.slope0 = rows.by_entry(self.slopes, spec.real)
+        self.w0 = self.weights.view(spec.real, 0, 1)
+        if self._corrected:
+            self.weights.grow(rows.capacity * words)
+            self.w0 = rows.by_entry(self.weights, spec.real)
 
     def pairs(self, bind: Callable[..., Command], when: str) -> list[Command]:
         """The launches that fill the rows, of particles that are not eroded, where the array ``when`` is not zero."""

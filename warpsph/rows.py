@@ -1,18 +1,25 @@
 """Compressed rows of neighbours: the one structure for present and for reference neighbours."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import warp as wp
 
-from .block import Block
+from .block import Block, borrowed
 from .errors import RunError
 from .kernels.neighbours import NeighbourKernels
-from .launch import Launcher
+from .launch import Launcher, Pieces
 from .memory import Policy
 
-FEWEST_CELLS = 4096
+LENGTH = 1 << 22
+"""Particles whose rows share an array: it has no more than 2^31 entries, hence 500 for each of them."""
+
+MOST_ENTRIES = 2**31 - 1
+"""Entries of an array at most."""
+
+FEWEST_CELLS = 16384
 """Cells that a hash grid may have however few particles there are; else it has at most one for each."""
 
 
@@ -21,15 +28,16 @@ class Rows:
 
     Attributes:
         grid: The hash grid, as it was last built.
-        start: Row offsets, shape [n + 1], int32.
+        start: Row offsets, shape [n + 1], int32; `Pieces` of these if there are more than `LENGTH` particles.
+        neigh: Entries (particle index and mirror bits), shape [capacity], int32, in pieces as ``start`` is.
         n_neigh: Entries in use in each row, shape [n], int32.
+        generation: Changes when entries have moved in memory: launches must be bound again.
     """
 
     def __init__(
         self,
-        x: np.ndarray,
-        radius: float,
-        dim: int,
+        n: int,
+        size: tuple[int, int, int],
         place: type,
         kernels: NeighbourKernels,
         launcher: Launcher,
@@ -39,35 +47,59 @@ class Rows:
         """Allocate; the first filling makes room for the entries.
 
         Args:
-            x: Positions of the particles at the start [m], shape [n, 3].
-            radius: Reach of the rows [m].
-            dim: Space dimension.
+            n: Number of particles.
+            size: Cells of the hash grid, see `cells`.
             place: Scalar type of positions.
             kernels: The search.
             launcher: The device.
             policy: Room of the rows.
             block: Where the entries go.
         """
-        n = len(x)
-        self._n, self._kernels, self._launcher, self._policy, self._block = (
-            n,
-            kernels,
-            launcher,
-            policy,
-            block,
-        )
+        self._n, self._cells = n, size
+        self._kernels, self._launcher, self._policy, self._block = kernels, launcher, policy, block
         with wp.ScopedDevice(launcher.device):
-            self._cells = cells(np.ptp(x, axis=0)[:dim], radius, n)
-            self.grid = wp.HashGrid(*self._cells, dtype=place)
+            self.grid = wp.HashGrid(*size, dtype=place)
             self.grid.reserve(-(-2 * n // 3))  # the grid makes half as much room again as it is asked for
             self._overflow = wp.zeros(1, dtype=wp.int32)
-            self.start = wp.zeros(n + 1, dtype=wp.int32)
+            self._starts = wp.zeros(n + len(self._cuts()), dtype=wp.int32)
             self.n_neigh = wp.zeros(n, dtype=wp.int32)
+        self.start = self._by_particle(self._starts)
+        self._rooms, self._layouts = [1] * len(self._cuts()), 0
 
     @property
-    def neigh(self) -> wp.array:
-        """Entries (particle index and mirror bits), shape [capacity], int32; grows, never truncates."""
-        return self._block.words
+    def generation(self) -> int:
+        """Changes when entries have moved in memory."""
+        return self._block.generation + self._layouts
+
+    @property
+    def capacity(self) -> int:
+        """Entries that there is room for."""
+        return sum(self._rooms)
+
+    @property
+    def neigh(self) -> wp.array | Pieces:
+        """Entries; grows, never truncates."""
+        return self.by_entry(self._block, wp.int32)
+
+    def by_entry(self, block: Block, dtype: type) -> wp.array | Pieces:
+        """Memory of ``capacity`` entries as the rows are laid out."""
+        firsts = itertools.accumulate(self._rooms, initial=0)
+        arrays = tuple(
+            block.view(dtype, first, room) for first, room in zip(firsts, self._rooms, strict=False)
+        )
+        return Pieces(arrays, LENGTH) if len(arrays) > 1 else arrays[0]
+
+    def _cuts(self) -> list[tuple[int, int]]:
+        """First and last but one particle of each piece."""
+        return [(first, min(first + LENGTH, self._n)) for first in range(0, self._n, LENGTH)]
+
+    def _by_particle(self, words: wp.array) -> wp.array | Pieces:
+        """An array of one word for each particle, and one more for each piece, by the particle's index."""
+        if words.size == self._n + 1:
+            return words
+        pieces = range(words.size - self._n)
+        views = (borrowed(words, 4 * k, wp.int32, self._n + 1) for k in pieces)
+        return Pieces(tuple(views), LENGTH)
 
     @property
     def grid_bytes(self) -> int:
@@ -96,15 +128,23 @@ class Rows:
         Raises:
             RunError: Offsets no longer fit into 32 bits.
         """
-        (room,) = self._block.views((wp.int32, self._n + 1))
-        room.zero_()  # the last stays 0: the scan ends in the total
-        self._launcher.launch(self._kernels.reserve, self._n, self, self._policy, room=room)
-        wp.utils.array_scan(room, self.start, inclusive=False)
-        total = int(self.start[self._n :].numpy()[0])
-        if total < 0:
-            raise RunError(f"the neighbour rows of {self._n} particles need more than {2**31 - 1} entries")
-        if total > self.neigh.size:
-            self._block.grow(int(self._policy.growth * total))
+        (room,) = self._block.views((wp.int32, self._starts.size))
+        room.zero_()  # the last of a piece stays 0: its scan ends in the total
+        self._launcher.launch(
+            self._kernels.reserve, self._n, self, self._policy, room=self._by_particle(room)
+        )
+        totals = []
+        for k, (first, last) in enumerate(self._cuts()):
+            starts = self._starts[first + k : last + k + 1]
+            wp.utils.array_scan(room[first + k : last + k + 1], starts, inclusive=False)
+            totals.append(int(starts[last - first :].numpy()[0]))
+        if min(totals) < 0:
+            most = min(LENGTH, self._n)
+            raise RunError(f"the neighbour rows of {most} particles need more than {MOST_ENTRIES} entries")
+        if any(total > room for total, room in zip(totals, self._rooms, strict=True)):
+            self._rooms = [min(max(int(self._policy.growth * total), 1), MOST_ENTRIES) for total in totals]
+            self._block.grow(self.capacity)
+            self._layouts += 1
 
     def mean_count(self) -> float:
         """Mean length of the rows."""
@@ -116,7 +156,7 @@ def lasting(policy: Policy) -> Policy:
     return replace(policy, divisor=1 << 30, spare=1, growth=1.0)
 
 
-def cells(extent: Sequence[float], radius: float, n: int) -> tuple[int, int, int]:
+def cells(x: np.ndarray, dim: int, radius: float, mirrored: Sequence[int] = ()) -> tuple[int, int, int]:
     """Cells of a hash grid along x, y and z, powers of two, in the proportions of the scene.
 
     The grid wraps around, so a scene that outgrows it only costs a few more distance checks. Cells are cleared at every
@@ -124,11 +164,13 @@ def cells(extent: Sequence[float], radius: float, n: int) -> tuple[int, int, int
     of these makes room for the scene to grow.
 
     Args:
-        extent: Size of the scene along the axes of its dimension [m].
+        x: Positions at the start [m], shape [n, 3].
+        dim: Space dimension.
         radius: Reach of the rows, the width of a cell [m].
-        n: Number of particles.
+        mirrored: Axes normal to symmetry planes: images take as much room again.
     """
-    most = max(n, FEWEST_CELLS)
+    extent, most = np.ptp(x, axis=0)[:dim], max(len(x), FEWEST_CELLS)
+    extent[list(mirrored)] *= 2.0
     counts = [1 << max(int(np.ceil(np.log2(max(size / radius, 1.0)))), 2) for size in extent]
     while np.prod(counts) > most:
         counts[int(np.argmax(counts))] //= 2

@@ -82,11 +82,10 @@ class Solver:
             raise InputError(f"precision {precision!r} is unknown; allowed: {', '.join(PRECISIONS)}")
         self.data, self.precision = data, precision
         self.launcher = Launcher(device, threads)
-        lanes = {"lanes": 1} if self.launcher.device.is_cuda else {}
-        self._spec = Spec(data.dim, *PRECISIONS[precision], **lanes)
-        h = data.h
         self._policy = policy or policy_of(self.launcher.device)
-        self._scheme = make_scheme(data, self._spec, self._policy.kept)
+        self._spec = Spec(data.dim, *PRECISIONS[precision], lanes=self._policy.lanes)
+        h = data.h
+        self._scheme = make_scheme(data, self._spec)
         self.particles = Particles(data, self._spec, self.launcher, self._scheme.groups, self._scheme.parts)
         self._blocks = Blocks(self.particles.n, self.launcher.device.is_cuda)
         self._clock = Clock(self._spec, self.launcher, self._blocks)
@@ -268,7 +267,7 @@ class Solver:
         """Everything that holds device arrays as attributes, by name (see `warpsph.memory.usage`)."""
         found = {"particles": self.particles, "work": self._work, "clock": self._clock}
         found |= {"neighbours": self.neighbours, "tiles": self.neighbours.tiles}
-        found |= {"search": self.neighbours.search, "rows": self.neighbours.block}
+        found |= {"search": self.neighbours.search}
         if self.reference is not None:
             found["reference"] = self.reference
         return found

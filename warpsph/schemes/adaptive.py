@@ -30,7 +30,7 @@ class Adaptive(Lagrangian):
         super().__init__(settings, spec, numerics, traits, parts, correction=s.correction)
         coupling = Coupling(numerics.coupling, numerics.interface_stress, numerics.contact is not None)
         mutual = numerics.coupling == "conservative"
-        terms = PairTerms(s.correction, False, s.artificial_stress, planes, coupling, traits.kept, self.parts)
+        terms = PairTerms(s.correction, False, s.artificial_stress, planes, coupling, self.parts)
         lagrangian_terms = LagrangianTerms(
             settings.correction,
             numerics.hourglass > 0.0,

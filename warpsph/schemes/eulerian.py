@@ -36,9 +36,7 @@ class Eulerian(Scheme):
         self.viscosity_alpha, self.viscosity_beta = viscosity(s, numerics)
         self.first_switch = MORRIS_MIN if s.viscosity == "morris" else 1.0
         coupling = Coupling(separate=numerics.contact is not None)
-        terms = PairTerms(
-            s.correction, switched, s.artificial_stress, planes, coupling, traits.kept, self.parts
-        )
+        terms = PairTerms(s.correction, switched, s.artificial_stress, planes, coupling, self.parts)
         self._momentum = make_momentum(spec, self.smoothing, terms)
         self._velocity_gradient = make_kinematics(
             spec, self.smoothing, s.correction, planes, coupling.separate

@@ -18,8 +18,8 @@ from .lagrangian import TotalLagrangian
 from .scheme import Scheme, Traits
 
 
-def make_scheme(data: SceneData, spec: Spec, kept: bool = False) -> Scheme:
-    """Build the scheme that a scene names; ``kept``: see `warpsph.memory.Policy`.
+def make_scheme(data: SceneData, spec: Spec) -> Scheme:
+    """Build the scheme that a scene names.
 
     Raises:
         InputError: If the scheme cannot serve the scene; says what is missing.
@@ -34,7 +34,7 @@ def make_scheme(data: SceneData, spec: Spec, kept: bool = False) -> Scheme:
         check_eulerian(data)
     fragile = any(material.tension_lost < math.inf for material in data.materials)
     scheme = make_family(
-        spec, data.numerics, bool(data.planes), fragile, len(data.bodies) == 1, bool(np.any(data.fixed)), kept
+        spec, data.numerics, bool(data.planes), fragile, len(data.bodies) == 1, bool(np.any(data.fixed))
     )
     check_radius(data, scheme.support * data.h)
     return scheme
@@ -47,7 +47,6 @@ def make_family(
     fragile: bool,
     alone: bool = False,
     constrained: bool = False,
-    kept: bool = False,
 ) -> Scheme:
     """Build the scheme of some numerical settings.
 
@@ -58,9 +57,8 @@ def make_family(
         fragile: Some material bears no tension, or none once it has failed.
         alone: There is one body.
         constrained: Some particle is fixed or driven.
-        kept: The force loop leaves its pairs to the loops that follow.
     """
-    settings, traits = SCHEMES[numerics.scheme], Traits(planes, fragile, alone, constrained, kept)
+    settings, traits = SCHEMES[numerics.scheme], Traits(planes, fragile, alone, constrained)
     if isinstance(settings, EulerianSettings):
         return Eulerian(settings, spec, numerics, traits)
     if isinstance(settings, LagrangianSettings):

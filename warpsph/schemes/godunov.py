@@ -61,13 +61,9 @@ class TimeSplit(Godunov):
         self.limiter_beta = numerics.limiter_beta
         self._second = s.order == 2
         states = Reconstruction(numerics.riemann, s.order, numerics.limiter, numerics.limit_jump, fragile)
-        self._deviatoric = make_deviatoric(spec, self.smoothing, s.order, s.correction, planes, traits.kept)
-        self._hydrodynamic = make_hydrodynamic(
-            spec, self.smoothing, states, s.correction, planes, traits.kept
-        )
-        self._velocity_gradient = make_kinematics(
-            spec, self.smoothing, s.correction, planes, kept=traits.kept
-        )
+        self._deviatoric = make_deviatoric(spec, self.smoothing, s.order, s.correction, planes)
+        self._hydrodynamic = make_hydrodynamic(spec, self.smoothing, states, s.correction, planes)
+        self._velocity_gradient = make_kinematics(spec, self.smoothing, s.correction, planes)
 
     def arrays(self, n: int) -> dict[str, wp.array]:
         """Add the volume rate, the slopes of the reconstruction, and v at the start of the step."""

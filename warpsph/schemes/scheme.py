@@ -32,14 +32,12 @@ class Traits:
         fragile: Some material bears no tension, or none once it has failed.
         alone: There is one body.
         constrained: Some particle is fixed or driven.
-        kept: The force loop leaves its pairs to the loops that follow, see `warpsph.memory.Policy`.
     """
 
     planes: bool = False
     fragile: bool = False
     alone: bool = False
     constrained: bool = False
-    kept: bool = False
 
 
 class Scheme(ABC):
