@@ -174,7 +174,7 @@ class Job:
         return found
 
     def _output(self) -> None:
-        """Hand a snapshot and a checkpoint to the writer; rebuild the rows, as a restart from here does."""
+        """Hand a snapshot and a checkpoint to the writer's thread; rebuild the rows, as a restart from here does."""
         number, self.next_snapshot = self.next_snapshot, self.next_snapshot + 1
         self._writer.submit(lambda: self._take(number))
         self.solver.relist()
