@@ -2,6 +2,7 @@
 
 import functools
 import resource
+import signal
 import threading
 import time
 
@@ -11,6 +12,7 @@ from states import impact
 from tools import collision
 
 from warpsph.errors import RunError
+from warpsph.progress import Progress
 from warpsph.run import run as run_scene
 from warpsph.solver import Solver
 from warpsph.storage import checkpoint, snapshot
@@ -161,6 +163,34 @@ def test_everything_is_on_the_disk_when_the_run_stops(tmp_path, monkeypatch):
     times = [snapshot.time(path) for path in snapshot.find(out)]
     np.testing.assert_allclose(times, [0.0, 0.5e-6, 1e-6, 1.5e-6, 1.5e-6], rtol=1e-12)
     assert checkpoint.load(out / "checkpoint.h5")[1]["time"] == times[3]
+
+
+class Interrupt(Progress):
+    """Presses Ctrl-C once, at a time."""
+
+    def update(self, **values):
+        if values["time"] > 1.2e-6 and not vars(self).setdefault("pressed", False):
+            self.pressed = True
+            signal.raise_signal(signal.SIGINT)
+
+
+def test_ctrl_c_waits_for_a_slow_disk(tmp_path, monkeypatch):
+    """The last snapshot comes after those that were waiting, and the checkpoint is of its time."""
+    write = snapshot.write
+
+    def late(path, state):
+        time.sleep(0.1)
+        write(path, state)
+
+    monkeypatch.setattr(snapshot, "write", late)
+    out = tmp_path / "out"
+    with pytest.raises(KeyboardInterrupt):
+        run_scene(balls(), out, frames=False, progress=Interrupt())
+    times = [snapshot.time(path) for path in snapshot.find(out)]
+    assert len(times) == 4 and times == sorted(set(times)) and 1.2e-6 < times[-1] < 1.5e-6
+    info = checkpoint.load(out / "checkpoint.h5")[1]
+    assert (info["time"], info["next_snapshot"]) == (times[-1], 3)
+    assert not list(out.rglob("*.part"))
 
 
 def files(out):
