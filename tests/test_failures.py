@@ -172,6 +172,27 @@ def test_the_command_line_tells_the_failure_and_keeps_the_last_snapshot(folder, 
     )
 
 
+def test_a_snapshot_that_cannot_be_written_stops_the_run(folder, monkeypatch, capsys):
+    write = snapshot.write
+
+    def full(path, state):
+        if path.stem.endswith("3"):
+            raise RunError(f"{path} could not be written: No space left on device")
+        write(path, state)
+
+    monkeypatch.setattr(snapshot, "write", full)
+    assert command("run", "balls.py", "--out", "out", "--no-frames") == 3
+    err = capsys.readouterr().err
+    assert "balls_0003.vtkhdf could not be written: No space left on device" in err
+    assert "last snapshot: out/snapshots/balls_0002.vtkhdf" in err
+    assert [path.name for path in snapshot.find("out")] == [f"balls_000{k}.vtkhdf" for k in range(3)]
+    monkeypatch.undo()
+    monkeypatch.chdir(folder)
+    assert command("resume", "out", "--no-frames") == 0, "with room on the disk it goes on"
+    assert len(snapshot.find("out")) == 7
+    capsys.readouterr()
+
+
 def test_ctrl_c_ends_in_good_order(folder, capsys):
     Path("long.py").write_text(SCENE.replace("until=3e-6", "until=3e-3"))  # longer than anyone waits
     out = folder / "out"

@@ -6,8 +6,11 @@ import math
 import signal
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+import warp as wp
 
 from . import __version__
 from .balance import Balance, energy
@@ -19,6 +22,7 @@ from .scene import SceneData
 from .solver import Solver
 from .storage import atomic, checkpoint, snapshot
 from .storage.history import History
+from .storage.writer import Writer
 
 HISTORY_ROWS = 200
 """Rows of history.csv over a whole run, about; a row is written after the first batch of steps past its time."""
@@ -58,6 +62,9 @@ class Job:
         self._stop_asked = False
         self._mark = (0.0, 0)
         self._row_time = -1.0
+        self._writer = Writer()
+        self._rooms: list[dict[str, wp.array]] = []  # host memory of outputs that are written
+        self._times: dict[str, float] = {}  # of snapshots, by name
 
     def begin(self) -> None:
         """Start from the scene's initial state."""
@@ -87,11 +94,13 @@ class Job:
         self.progress.start(self.until, self.solver.reading.time)
         before = signal.signal(signal.SIGINT, self._on_interrupt) if _in_main_thread() else None
         try:
-            self._steps()
+            with self._writer:
+                self._steps()
         except RunError as error:
             with contextlib.suppress(RunError):  # a full disk takes no last words
                 self._last_words(str(error))
-            raise RunError(f"{error}; last snapshot: {snapshot.find(self.out)[-1]}") from error
+            written = snapshot.find(self.out)
+            raise RunError(f"{error}; last snapshot: {written[-1] if written else 'none'}") from error
         finally:
             self.progress.stop()
             if before is not None:
@@ -130,6 +139,7 @@ class Job:
     def _on_batch(self, now: Reading) -> bool:
         """Write what is due between two batches of steps; tells the solver whether to stop."""
         start = time.perf_counter()
+        self._writer.check()
         if now.time >= self.next_row:
             self._row()
         rate = (now.steps - self._mark[1]) * len(self.data.x) / max(start - self._mark[0], 1e-9)
@@ -157,40 +167,48 @@ class Job:
     def _measures(self) -> dict[str, float]:
         if not self.data.measures:
             return {}
-        state = self.solver.state()
+        state = self.solver.glance()
         found = {name: float(measure.function(state)) for name, measure in self.data.measures.items()}
         for name, highest in self.peaks.items():
             found[name] = self.peaks[name] = max(highest, found[name])
         return found
 
     def _output(self) -> None:
-        """Write a snapshot and a checkpoint; rebuild the rows, as a restart from here does."""
-        self._snapshot()
-        self.next_snapshot += 1
-        self._checkpoint()
+        """Hand a snapshot and a checkpoint to the writer's thread; rebuild the rows, as a restart from here does."""
+        number, self.next_snapshot = self.next_snapshot, self.next_snapshot + 1
+        self._writer.submit(lambda: self._take(number))
         self.solver.relist()
 
-    def _snapshot(self) -> None:
-        folder = self.out / "snapshots"
-        snapshot.write(folder / f"{self.data.name}_{self.next_snapshot:04d}.vtkhdf", self.solver.state())
-        snapshot.series(folder)
+    def _take(self, number: int, going_on: bool = True) -> Callable[[], None]:
+        """Copy the state to the host; gives what writes it: a snapshot, then the checkpoint that counts on it."""
+        room = self._rooms.pop() if self._rooms else self.solver.particles.room()
+        arrays, solver = self.solver.save(room)
+        state, info = self.solver.state(arrays), self._info(solver)
+        path = self.out / "snapshots" / f"{self.data.name}_{number:04d}.vtkhdf"
 
-    def _checkpoint(self) -> None:
-        arrays, solver = self.solver.save()
-        info = {
+        def write() -> None:
+            snapshot.write(path, state)
+            snapshot.series(path.parent, self._times)
+            if going_on:
+                checkpoint.save(self.out / "checkpoint.h5", arrays, info)
+            self._rooms.append(room)
+
+        return write
+
+    def _info(self, solver: dict) -> dict[str, Any]:
+        """Everything a restart needs besides the arrays; nothing in it changes later."""
+        return {
             "solver": solver, "balance": self.balance.save(), "parameters": self.parameters,
             "time": self.solver.reading.time, "until": self.until, "interval": self.interval,
             "next_snapshot": self.next_snapshot, "next_row": self.next_row, "neighbours": self.neighbours,
-            "peaks": self.peaks, "step_wall": self.step_wall, "wall": self._elapsed(), "device": self.solver.launcher.device.alias,
+            "peaks": dict(self.peaks), "step_wall": self.step_wall, "wall": self._elapsed(), "device": self.solver.launcher.device.alias,
         }  # fmt: skip
-        checkpoint.save(self.out / "checkpoint.h5", arrays, info)
 
     def _last_words(self, why: str) -> None:
         """Leave what is needed to look at a run that stopped early, and to go on after an interruption."""
         self.warnings.append(why)
-        self._snapshot()
-        if self._stop_asked:
-            self._checkpoint()
+        self._writer.check()
+        self._take(self.next_snapshot, going_on=self._stop_asked)()
         self._summary()
 
     def _elapsed(self) -> float:

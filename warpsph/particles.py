@@ -5,14 +5,14 @@ from collections.abc import Callable
 import numpy as np
 import warp as wp
 
-from .fields import CONSTANT, Field, of_groups, whole
+from .fields import BY_NAME, CONSTANT, Field, of_groups, whole
 from .kernels.kernel_type import EULERIAN, LAGRANGIAN
 from .kernels.parts import Parts, part_types
 from .kernels.sort import make_sort
 from .kernels.spec import Spec
 from .launch import Launcher
 from .scene import SceneData
-from .state import State
+from .state import InOrder, State
 
 WIDTH = {"int": (), "real": (), "vec": (3,), "point": (3,), "mat": (3, 3), "sym": (6,)}
 """Shape of one entry by a field's kind; ``parts`` has as many numbers as the run has parts."""
@@ -87,28 +87,50 @@ class Particles:
             self._launcher.launch(gather[old.dtype], self.n, order=order, source=old, target=new)
             wp.copy(old, new)
 
-    def arrays(self) -> dict[str, np.ndarray]:
-        """Copy every field to the host, in memory order: what a checkpoint holds."""
+    def room(self) -> dict[str, wp.array]:
+        """Memory of the host for a copy of every field; page-locked where a GPU fills it."""
+        pinned = self._launcher.device.is_cuda
         return {
-            f.name: getattr(self, f.name).numpy().copy() for f in self.fields
-        }  # on a CPU numpy() is a view
+            f.name: wp.empty_like(getattr(self, f.name), device="cpu", pinned=pinned) for f in self.fields
+        }
+
+    def arrays(self, room: dict[str, wp.array] | None = None) -> dict[str, np.ndarray]:
+        """Copy every field to the host, in memory order: what a checkpoint holds.
+
+        Args:
+            room: What `room` gave, to be filled (again: memory the system has just handed out is slow to fill).
+        """
+        room = self.room() if room is None else room
+        for name, copy in room.items():
+            wp.copy(copy, getattr(self, name))
+        wp.synchronize_device(self._launcher.device)
+        return {name: copy.numpy() for name, copy in room.items()}
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Take over the arrays of a checkpoint."""
         for f in self.fields:
             getattr(self, f.name).assign(arrays[f.name])
 
-    def state(self, time: float, step: int) -> State:
-        """Copy the output fields to the host, in id order."""
-        data, order = self._data, np.argsort(self.id.numpy())
-        fields = {f.name: self._host(f)[order] for f in self._shown}
+    def state(self, time: float, step: int, host: Callable[[str], np.ndarray] | None = None) -> State:
+        """Copy the output fields to the host, in id order.
+
+        Args:
+            time: Time [s].
+            step: Number of steps taken.
+            host: Gives a field on the host in memory order; the state then gathers a field when it is asked for.
+        """
+        data = self._data
+        stored = host or (lambda name: getattr(self, name).numpy())
+        fields = InOrder([f.name for f in self._shown], lambda name: self._whole(BY_NAME[name], stored))
+        if host is None:
+            fields = dict(fields)
         return State(
             time=time, step=step, dim=data.dim, spacing=data.spacing, h=data.h, scene=data.name,
             bodies=list(data.bodies), materials=[m.name for m in data.materials], fields=fields,
         )  # fmt: skip
 
-    def _host(self, f: Field) -> np.ndarray:
+    def _whole(self, f: Field, stored: Callable[[str], np.ndarray]) -> np.ndarray:
         """A field as the state gives it, in memory order; where the run has no use for it, as it was at the start."""
         if hasattr(self, f.name):
-            return whole(getattr(self, f.name).numpy(), f.kind)
-        return getattr(self._data, f.name)[self.id.numpy()].astype(np.int32)
+            return whole(stored(f.name), f.kind)
+        return getattr(self._data, f.name)[stored("id")].astype(np.int32)

@@ -301,7 +301,7 @@ class Scene:
 
         Args:
             name: Name in the summary and the history.
-            function: Gives the number from a `warpsph.state.State`.
+            function: Gives the number from a `warpsph.state.State`, which is good until it returns.
             unit: SI unit.
             peak: Report the largest number so far; it is looked at some 200 times a run, for the history.
 

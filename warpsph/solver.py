@@ -272,13 +272,29 @@ class Solver:
             found["reference"] = self.reference
         return found
 
-    def state(self) -> State:
-        """Copy the particles to the host, in id order."""
-        return self.particles.state(self.reading.time, self.reading.steps)
+    def state(self, arrays: dict[str, np.ndarray] | None = None) -> State:
+        """Copy the particles to the host, in id order; with ``arrays`` of `save`, each field when it is asked for."""
+        host = None if arrays is None else arrays.__getitem__
+        return self.particles.state(self.reading.time, self.reading.steps, host)
 
-    def save(self) -> tuple[dict[str, np.ndarray], dict]:
-        """Everything a restart needs: arrays in memory order, and plain values."""
-        arrays = self.particles.arrays() | {
+    def glance(self) -> State:
+        """See the particles as they are, in id order; a field is copied when it is asked for.
+
+        Raises:
+            RuntimeError: On a look at a field after the run has gone on.
+        """
+        then = (self.reading, self.neighbours.builds)
+
+        def host(name: str) -> np.ndarray:
+            if (self.reading, self.neighbours.builds) != then:
+                raise RuntimeError(f"field {name!r} is read from a state that is over; keep copies of fields")
+            return getattr(self.particles, name).numpy()
+
+        return self.particles.state(self.reading.time, self.reading.steps, host)
+
+    def save(self, room: dict[str, wp.array] | None = None) -> tuple[dict[str, np.ndarray], dict]:
+        """Everything a restart needs: arrays in memory order, in ``room`` if given, and plain values."""
+        arrays = self.particles.arrays(room) | {
             "clock": self._clock.clock.numpy().copy(), "count": self._clock.count.numpy().copy()
         }  # fmt: skip
         return arrays, {"builds": self.neighbours.builds, "precision": self.precision}

@@ -1,8 +1,42 @@
 """A picture of the particles on the host: what measures, snapshots and frames are made from."""
 
+import functools
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
+
+
+class InOrder(Mapping):
+    """Fields in id order, each gathered from memory order whenever it is asked for, and not kept."""
+
+    def __init__(self, names: list[str], host: Callable[[str], np.ndarray]):
+        """Gather fields of these names.
+
+        Args:
+            names: Symbols of `warpsph.fields`.
+            host: Gives a field, or ``id``, on the host in memory order.
+        """
+        self._names, self._host = names, host
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self._names:
+            raise KeyError(name)
+        return np.take(self._host(name), self._order, axis=0)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    @functools.cached_property
+    def _order(self) -> np.ndarray:
+        """Place of each id in memory: the ids are a permutation."""
+        ids = self._host("id")
+        order = np.empty(len(ids), dtype=np.intp)
+        order[ids] = np.arange(len(ids))
+        return order
 
 
 @dataclass
@@ -29,7 +63,7 @@ class State:
     scene: str
     bodies: list[str]
     materials: list[str]
-    fields: dict[str, np.ndarray] = field(default_factory=dict)
+    fields: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def __getattr__(self, name: str) -> np.ndarray:
         """Give a field by its symbol: ``state.x`` is ``state.fields["x"]``."""

@@ -1,22 +1,36 @@
 """Files that are either the old one or the whole new one, whatever happens while they are written."""
 
+import contextlib
 import os
+from collections.abc import Iterator
 from pathlib import Path
+from typing import BinaryIO
 
 from warpsph.errors import RunError
 
 
 def write(path: Path, content: bytes | memoryview) -> None:
-    """Replace a file: the content goes to a hidden neighbour first, which then takes the file's name.
+    """Replace a file, as `replacing` does.
 
     Raises:
-        RunError: If the content cannot be written (full disk, no permission); the old file is untouched.
+        RunError: As `replacing`.
+    """
+    with replacing(path) as stream:
+        stream.write(content)
+
+
+@contextlib.contextmanager
+def replacing(path: Path) -> Iterator[BinaryIO]:
+    """Open a hidden neighbour of a file to write to and read from; at the end it takes the file's name.
+
+    Raises:
+        RunError: If it cannot be written (full disk, no permission); the old file is untouched.
     """
     path = Path(path)
     part = path.with_name(f".{path.name}.part")
     try:
-        with part.open("wb") as stream:
-            stream.write(content)
+        with part.open("w+b") as stream:
+            yield stream
             stream.flush()
             os.fsync(stream.fileno())
         os.replace(part, path)

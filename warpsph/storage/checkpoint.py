@@ -10,6 +10,9 @@ from . import hdf5
 FORM, VERSION = "warpsph checkpoint", 2
 """Name and version of the format; the version rises when old readers would fail."""
 
+CHUNK = 8192
+"""Rows that share a checksum: pieces as large as fit into HDF5's cache."""
+
 
 def save(path: Path, arrays: dict[str, np.ndarray], info: dict) -> None:
     """Write a checkpoint in place of an older one.
@@ -27,7 +30,10 @@ def save(path: Path, arrays: dict[str, np.ndarray], info: dict) -> None:
         group = file.create_group("arrays", track_order=True)
         for name, array in arrays.items():
             array = np.asarray(array)
-            group.create_dataset(name, data=array, fletcher32=True if array.size and array.ndim else None)
+            checked = {}
+            if array.size and array.ndim:
+                checked = {"fletcher32": True, "chunks": (min(len(array), CHUNK), *array.shape[1:])}
+            group.create_dataset(name, data=array, **checked)
 
 
 def load(path: Path) -> tuple[dict[str, np.ndarray], dict]:

@@ -1,10 +1,9 @@
 """HDF5 files of this program: written at once, and refused with one clear line if they are not ours."""
 
 import contextlib
-import io
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from warpsph import __version__
 from warpsph.errors import InputError
@@ -17,10 +16,7 @@ if TYPE_CHECKING:
 
 @contextlib.contextmanager
 def writing(path: Path, form: str, version: int) -> Iterator["h5py.File"]:
-    """Open an HDF5 file in memory and put it in place of ``path`` at the end.
-
-    HDF5 cannot be trusted with a full disk (a failed close aborts the process later), so the file is
-    made in memory and written in one piece.
+    """Open an HDF5 file to write to, which is put in place of ``path`` at the end.
 
     Args:
         path: File to replace.
@@ -32,11 +28,15 @@ def writing(path: Path, form: str, version: int) -> Iterator["h5py.File"]:
     """
     import h5py
 
-    memory = io.BytesIO()
-    with h5py.File(memory, "w") as file:
-        file.attrs.update({"format": form, "format_version": version, "generator": f"warpsph {__version__}"})
-        yield file
-    atomic.write(path, memory.getbuffer())
+    with atomic.replacing(path) as stream:
+        disk = _Disk(stream)
+        with h5py.File(disk, "w") as file:
+            file.attrs.update(
+                {"format": form, "format_version": version, "generator": f"warpsph {__version__}"}
+            )
+            yield file
+        if disk.error is not None:
+            raise disk.error
 
 
 @contextlib.contextmanager
@@ -59,6 +59,55 @@ def reading(path: Path, form: str, version: int) -> Iterator["h5py.File"]:
         raise
     except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:
         raise InputError(f"{path} is damaged or no {form} ({_reason(error)})") from error
+
+
+class _Disk:
+    """A file that does not fail, as HDF5 sees it: a failed close would make it abort the process later.
+
+    Attributes:
+        error: The first failure, after which nothing more is written.
+    """
+
+    def __init__(self, stream: BinaryIO):
+        self._stream = stream
+        self.error: OSError | None = None
+
+    def read(self, size: int = -1) -> bytes:
+        """Read; HDF5 takes nothing for a file that has no such method, and uses `readinto`."""
+        return self._attempt(self._stream.read, size, otherwise=b"")
+
+    def readinto(self, buffer: memoryview) -> int:
+        """Read into memory."""
+        return self._attempt(self._stream.readinto, buffer, otherwise=0)
+
+    def write(self, content: memoryview) -> int:
+        """Write, without a copy of large content."""
+        return self._attempt(self._stream.write, content, otherwise=len(content))
+
+    def seek(self, *where: int) -> int:
+        """Move to a place."""
+        return self._attempt(self._stream.seek, *where, otherwise=where[0])
+
+    def tell(self) -> int:
+        """Give the place."""
+        return self._attempt(self._stream.tell, otherwise=0)
+
+    def truncate(self, size: int) -> int:
+        """Set the length."""
+        return self._attempt(self._stream.truncate, size, otherwise=size)
+
+    def flush(self) -> None:
+        """Pass on what is buffered."""
+        self._attempt(self._stream.flush, otherwise=None)
+
+    def _attempt(self, method: Callable, *arguments: Any, otherwise: Any) -> Any:
+        """Call a method of the stream, unless one has failed."""
+        if self.error is None:
+            try:
+                return method(*arguments)
+            except OSError as error:
+                self.error = error
+        return otherwise
 
 
 def _check(path: Path, file: "h5py.File", form: str, version: int) -> None:

@@ -100,11 +100,12 @@ def find(folder: Path) -> list[Path]:
     )
 
 
-def series(folder: Path) -> Path | None:
+def series(folder: Path, times: dict[str, float] | None = None) -> Path | None:
     """Write the index ``NAME.vtkhdf.series`` that ParaView opens as one animation.
 
     Args:
         folder: As for `find`.
+        times: Times [s] by name of snapshots read before; those of others are read and noted here.
 
     Returns:
         The index, or None if there is no snapshot yet.
@@ -116,7 +117,9 @@ def series(folder: Path) -> Path | None:
     paths = find(folder)
     if not paths:
         return None
-    files = [{"name": path.name, "time": time(path)} for path in paths]
+    times = {} if times is None else times
+    times |= {path.name: time(path) for path in paths if path.name not in times}
+    files = [{"name": path.name, "time": times[path.name]} for path in paths]
     index = paths[0].with_name(paths[0].stem.rpartition("_")[0] + ".vtkhdf.series")
     atomic.write(index, json.dumps({"file-series-version": "1.0", "files": files}, indent=1).encode())
     return index
@@ -130,9 +133,10 @@ def _number(path: Path) -> int | None:
 
 def _write_points(root: "h5py.Group", state: State) -> None:
     """Positions, and one vertex cell on each; VTK asks for the empty cell kinds too."""
-    n = len(state.x)
+    x = state.x
+    n = len(x)
     root["NumberOfPoints"] = np.array([n], dtype=np.int64)
-    _write_array(root, "Points", BY_NAME["x"], state.x)
+    _write_array(root, "Points", BY_NAME["x"], x)
     for kind, cells in (("Vertices", n), ("Lines", 0), ("Polygons", 0), ("Strips", 0)):
         group = root.create_group(kind)
         group["NumberOfCells"] = group["NumberOfConnectivityIds"] = np.array([cells], dtype=np.int64)
