@@ -58,6 +58,10 @@ class Assembler:
     release: str
     reads: tuple[int, int] | None
 
+    def __str__(self) -> str:
+        """Version, and what it reads."""
+        return self.release + (f" (reads PTX {self.reads[0]}.{self.reads[1]})" if self.reads else "")
+
     def assemble(self, ptx: Path, arch: int) -> dict[str, Usage]:
         """Assemble a file of PTX for ``sm_<arch>`` and throw the result away; gives the usage of each kernel by name.
 
@@ -66,7 +70,7 @@ class Assembler:
         """
         done = _run(self.path, self.text(ptx), "-v", f"-arch=sm_{arch}")
         if done.returncode != 0:
-            raise RunError(f"ptxas {self.release} refuses {ptx.name} for sm_{arch}: {done.stderr.strip()}")
+            raise RunError(f"ptxas {self} refuses {ptx.name} for sm_{arch}: {done.stderr.strip()}")
         return parse(done.stderr)
 
     def text(self, ptx: Path) -> bytes:
@@ -78,15 +82,6 @@ class Assembler:
         if not self.outdated(text):
             return text
         return _VERSION.sub(b".version %d.%d" % self.reads, text, count=1)
-
-    def describe(self, ptx: Path) -> str:
-        """Name the ptxas, and how it reads a file."""
-        text = ptx.read_bytes()
-        name = f"ptxas {self.release}"
-        if not self.outdated(text):
-            return name
-        reads, written = ".".join(map(str, self.reads)), b".".join(_VERSION.search(text).groups()).decode()
-        return f"{name}, which is given PTX {written} as {reads}: Warp's compiler is newer"
 
     def outdated(self, text: bytes) -> bool:
         """Whether the text is of a newer version of PTX than this ptxas reads."""
