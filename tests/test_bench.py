@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import warp as wp
 
+from warpsph import cli
 from warpsph.errors import InputError
 from warpsph.info import table
 from warpsph.kernels.ceilings import CHAINS, WIDTH, make_ceilings
@@ -224,6 +225,18 @@ def test_no_case_is_begun_when_the_time_is_up(quick, checkout, tmp_path):
 def test_bad_arguments(arguments, message):
     with pytest.raises(InputError, match=message):
         bench.bench(**arguments)
+
+
+def test_the_command_line_takes_cases_sizes_and_precisions(monkeypatch, capsys):
+    calls = []
+    monkeypatch.setattr(bench, "bench", lambda *words, **options: calls.append((words, options)) or "done")
+    words = ["bench", "tl", "pm-3d", "-n", "400", "-n", "900", "--precision", "float32", "--threads", "2"]
+    with pytest.raises(SystemExit) as ended:
+        cli.main(words)
+    assert ended.value.code == 0 and capsys.readouterr().out == "done\n"
+    ((given, options),) = calls
+    assert given == (("tl", "pm-3d"), "cpu") and options.pop("progress")
+    assert options == {"precisions": ["float32"], "sizes": [400, 900], "threads": 2, "json": None}
 
 
 def test_a_name_stands_for_both_dimensions():

@@ -75,11 +75,17 @@ def bench(
         _write(json, record)
     if not cases and time.monotonic() < end:
         say(f"starting {startup.SCENE} with an empty cache of kernels, and again ...")
-        record["startup"] = startup.measure(device)
+        try:
+            record["startup"] = startup.measure(device)
+        except RunError as error:
+            say(str(error))
         _write(json, record)
     root = report.checkout()
     if root is not None:
-        performance.add(root, record)
+        try:
+            performance.add(root, record)
+        except ImportError as error:
+            say(f"no picture: {error}")
     return "\n\n".join(
         f"{title}\n{table(rows, header)}" for title, header, rows in performance.tables(record)
     )

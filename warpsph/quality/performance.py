@@ -202,7 +202,7 @@ def _cells(trial: dict[str, Any]) -> list[str]:
         f"{trial['mean_neighbours']:.1f}", f"{trial['eulerian_share']:.0%}", f"{trial['bytes_per_particle']:.0f}",
         f"{trial['list_bytes_per_particle']:.0f}", f"{trial['search_share']:.0%}", f"{lasting:.1f}" if lasting else "-",
         f"{trial['scene_s']:.2g}", f"{trial['solver_s']:.2g}", f"{snapshot:.2g}" if snapshot is not None else "-",
-        trial["date"], trial["commit"].partition(",")[0],
+        trial["date"], trial["commit"].replace(", with changes", "+"),
     ]  # fmt: skip
 
 

@@ -107,28 +107,36 @@ class Traffic:
     pairs: float
 
 
-def traffic(
-    kernel: str, solver: Solver, touched: dict[str, int], neighbours: float, eulerian: float
-) -> Traffic:
+@dataclass(frozen=True)
+class Pairs:
+    """How many pairs there are.
+
+    Attributes:
+        neighbours: Mean number of neighbours.
+        eulerian: Share of Eulerian particles; the others have their pairs in the reference configuration.
+    """
+
+    neighbours: float
+    eulerian: float
+
+
+def traffic(kernel: str, solver: Solver, touched: int, pairs: Pairs) -> Traffic:
     """Model a kernel in one step.
 
     Args:
         kernel: Its short name.
         solver: The solver.
-        touched: What `touched_by` has found.
-        neighbours: Mean number of neighbours.
-        eulerian: Share of Eulerian particles.
+        touched: Its bytes per particle, see `touched_by`.
+        pairs: The pairs.
     """
-    n, real = solver.particles.n, wp.types.type_size_in_bytes(solver.particles.spec.real)
-    loop = LOOPS.get(kernel)
-    if loop is None:
-        return Traffic(float(n * touched.get(kernel, 0)), 0.0, 0.0)
+    n, dim = solver.particles.n, solver.data.dim
+    real = wp.types.type_size_in_bytes(solver.particles.spec.real)
+    loop = LOOPS.get(kernel, PairLoop())
     if _corrected(solver.data.numerics.scheme, loop.lagrangian):
         loop += CORRECTED.get(kernel, PairLoop())
-    share = 1.0 - eulerian if loop.lagrangian else eulerian
-    pairs, dim = n * neighbours * share, solver.data.dim
-    moved = n * touched.get(kernel, 0) + pairs * loop.bytes(dim, real)
-    return Traffic(moved, pairs * loop.operations(dim), pairs)
+    share = 1.0 - pairs.eulerian if loop.lagrangian else pairs.eulerian
+    count = n * pairs.neighbours * share if kernel in LOOPS else 0.0
+    return Traffic(n * touched + count * loop.bytes(dim, real), count * loop.operations(dim), count)
 
 
 def touched_by(solver: Solver, work: Callable[[], None]) -> dict[str, int]:

@@ -2,7 +2,7 @@
 
 import tempfile
 import time
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -16,7 +16,7 @@ from warpsph.solver import Solver
 
 from . import block, footprint, series
 from .stopwatch import ROWS, kernel_times
-from .traffic import touched_by, traffic
+from .traffic import Pairs, Traffic, touched_by, traffic
 
 WARM_UP, STEPS, REPEATS = 10, 30, 3
 """Steps before the clock starts, steps of a repetition, and repetitions."""
@@ -87,21 +87,25 @@ def measure(data: SceneData, *, device: str, precision: str, threads: int | None
     n, steps, builds = len(data.x), solver.reading.steps, solver.neighbours.builds
     ns = [_repetition(solver) for _ in range(REPEATS)]
     steps, builds = solver.reading.steps - steps, solver.neighbours.builds - builds
-    eulerian = float((solver.particles.kernel_type.numpy() == EULERIAN).mean())
     used = footprint.usage(solver)
-    timed = solver.reading.steps
+    eulerian = float((solver.particles.kernel_type.numpy() == EULERIAN).mean())
+    last = solver.reading.steps
     spent = kernel_times(solver, lambda: series.advance(solver, STEPS))
-    timed = solver.reading.steps - timed
-    neighbours = solver.mean_neighbours()
-    rate = 1e9 / median(ns)
+    timed = solver.reading.steps - last
+    pairs = Pairs(neighbours=solver.mean_neighbours(), eulerian=eulerian)
+    models = {name: traffic(name, solver, touched.get(name, 0), pairs) for name in spent}
+    rate, whole = 1e9 / median(ns), sum(spent.values())
     return {
         "scheme": data.numerics.scheme, "dim": data.dim, "particles": n, "precision": precision,
         "threads": solver.launcher.threads, "ns_per_particle_step": ns, "particle_steps_per_s": rate,
-        "pairs_per_s": rate * neighbours, "mean_neighbours": neighbours, "eulerian_share": eulerian,
-        "steps_per_rebuild": steps / builds if builds else None,
-        "search_share": spent.get(ROWS, 0.0) / sum(spent.values()),
+        "pairs_per_s": rate * pairs.neighbours, "mean_neighbours": pairs.neighbours, "eulerian_share": eulerian,
+        "steps_per_rebuild": steps / builds if builds else None, "search_share": spent.get(ROWS, 0.0) / whole,
         "bytes_per_particle": sum(used.values()) / n, "list_bytes_per_particle": footprint.lists(used) / n,
-        "kernels": [_kernel(name, s, timed, spent, solver, touched, neighbours, eulerian) for name, s in spent.items()],
+        "kernels": [
+            {"name": name, "ns_per_particle_step": 1e9 * s / (timed * n), "share": s / whole}
+            | _rates(models[name], s / timed)
+            for name, s in spent.items()
+        ],
         "solver_s": ready, "snapshot_s": _snapshot(solver),
     }  # fmt: skip
 
@@ -116,25 +120,10 @@ def _repetition(solver: Solver) -> float:
     return 1e9 * wall / ((solver.reading.steps - steps) * solver.particles.n)
 
 
-def _kernel(
-    name: str,
-    seconds: float,
-    steps: int,
-    spent: dict[str, float],
-    solver: Solver,
-    touched: dict[str, int],
-    neighbours: float,
-    eulerian: float,
-) -> dict[str, Any]:
-    """Time of a kernel per step, its share, and what it moves and computes per second by the model; 0: not modelled."""
-    model = traffic(name, solver, touched, neighbours, eulerian)
-    per_step = seconds / steps
-    per_second = 1.0 / per_step if per_step > 0.0 else 0.0
-    return {
-        "name": name, "ns_per_particle_step": 1e9 * per_step / solver.particles.n,
-        "share": seconds / sum(spent.values()), "pairs_per_s": model.pairs * per_second,
-        "bytes_per_s": model.bytes * per_second, "flops_per_s": model.flops * per_second,
-    }  # fmt: skip
+def _rates(model: Traffic, seconds: float) -> dict[str, float]:
+    """What a kernel that takes so long in a step moves and computes per second; 0 where the model does not say."""
+    per_second = 1.0 / seconds if seconds > 0.0 else 0.0
+    return {f"{name}_per_s": value * per_second for name, value in asdict(model).items()}
 
 
 def _snapshot(solver: Solver) -> float | None:
