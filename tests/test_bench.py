@@ -260,8 +260,12 @@ def result(device, case="tl-3d", asked=30_000, rate=1e6, **more):
         "kernels": [{"name": "rate", "share": 0.5, "ns_per_particle_step": 5.0, "pairs_per_s": 1e8, "bytes_per_s": 1e9,
                      "flops_per_s": 0.0}],
     }  # fmt: skip
-    best = {"float64": {"bandwidth": 2e9, "flops": 1e10}}
-    return {"facts": {"device": device, **more}, "ceilings": best, "trials": [trial]}
+    trial["ceilings"] = {"bandwidth": 2e9, "flops": 1e10}
+    return {
+        "facts": {"device": device, **more},
+        "ceilings": {"float64": trial["ceilings"]},
+        "trials": [trial],
+    }
 
 
 def test_results_of_two_devices_share_a_page(checkout):

@@ -1,6 +1,7 @@
 """What ``warpsph bench`` measures: every family of schemes on a block of particles, and two scenes as they are."""
 
 import gc
+import itertools
 import json as json_format
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -70,7 +71,7 @@ def bench(
     launcher = Launcher(device, threads)
     best = {name: asdict(ceilings.measure(launcher, _real(name))) for name in precisions}
     record: dict[str, Any] = {"facts": report.facts(found), "ceilings": best, "trials": []}
-    for done in _trials(chosen, sizes, precisions, device, threads, end, say):
+    for done in _trials(_jobs(chosen, sizes), best, end, say, device=device, threads=threads):
         record["trials"].append(done)
         _write(json, record)
     if not cases and time.monotonic() < end:
@@ -109,36 +110,42 @@ def choose(names: Sequence[str]) -> list[Case]:
 
 
 def _trials(
-    chosen: list[Case],
-    sizes: Sequence[int],
-    precisions: Sequence[str],
-    device: str,
-    threads: int | None,
+    jobs: list[tuple[Case, int | None]],
+    best: dict[str, dict],
     end: float,
     say: Callable[[str], None],
+    **options,
 ) -> Iterator[dict[str, Any]]:
-    """Measure case after case, the small ones first; one that the device has no room for says so."""
-    jobs = [(case, size) for size in sorted(sizes) for case in chosen if case.scheme]
-    jobs += [(case, None) for case in chosen if not case.scheme]
+    """Measure every job in the precisions that ``best`` has ceilings of; what the device has no room for says so.
+
+    The options are those of `trial.measure`; nothing is begun after ``end``.
+    """
     built, data, seconds = None, None, 0.0
     origin = {"commit": report.commit(), "date": report.today()}
-    for case, size in jobs:
+    for (case, size), precision in itertools.product(jobs, best):
+        if time.monotonic() >= end:
+            say(f"{case.name}, {precision}: left out, the time is up")
+            continue
         place = (case.dim, size) if case.scheme else case.name
-        if place != built and time.monotonic() < end:
-            data, (data, seconds), built = None, trial.build(case, size), place
-        for precision in precisions:
-            if time.monotonic() >= end:
-                say(f"{case.name}, {precision}: left out, the time is up")
-                continue
-            say(f"{case.name}, {len(data.x):,} particles, {precision}")
-            scene = trial.with_scheme(data, case)
-            head = {"case": case.name, "asked": size, "scene_s": seconds, **origin}
-            try:
-                yield head | trial.measure(scene, device=device, precision=precision, threads=threads)
-            except (RunError, MemoryError, RuntimeError) as error:
-                say(f"{case.name}, {precision}: {error}")
-                yield head | {"particles": len(data.x), "precision": precision, "failed": str(error)}
-            gc.collect()
+        if place != built:
+            data = None  # two scenes at once need not fit into memory
+            (data, seconds), built = trial.build(case, size), place
+        say(f"{case.name}, {len(data.x):,} particles, {precision}")
+        done = {"case": case.name, "asked": size, "particles": len(data.x), "precision": precision, **origin}
+        try:
+            measured = trial.measure(trial.with_scheme(data, case), precision=precision, **options)
+            done |= {"scene_s": seconds, "ceilings": best[precision], **measured}
+        except (RunError, MemoryError, RuntimeError) as error:
+            say(f"{case.name}, {precision}: {error}")
+            done["failed"] = str(error)
+        yield done
+        gc.collect()
+
+
+def _jobs(chosen: list[Case], sizes: Sequence[int]) -> list[tuple[Case, int | None]]:
+    """Cases on the block from small to large, then the scenes, which have a size of their own."""
+    blocks = [(case, size) for size in sorted(sizes) for case in chosen if case.scheme]
+    return blocks + [(case, None) for case in chosen if not case.scheme]
 
 
 def _checked(what: str, names: Sequence[str], allowed: Sequence[str]) -> list[str]:

@@ -5,6 +5,7 @@ Results that were measured elsewhere are added with ``python -m warpsph.quality.
 
 import io
 import json
+import math
 import re
 import sys
 from collections.abc import Sequence
@@ -16,6 +17,7 @@ from warpsph.errors import InputError
 from warpsph.storage import atomic
 
 from . import report
+from .trial import CASES
 
 PAGE, FOLDER, PICTURE = "docs/performance.md", "docs/performance", "docs/images/performance.png"
 """The page, the folder of the results, and the picture, in a checkout."""
@@ -60,7 +62,7 @@ def merged(known: dict[str, Any], new: dict[str, Any]) -> dict[str, Any]:
     """Known results with the new ones in place of those of the same case, size, precision and threads."""
     trials = {_key(trial): trial for trial in (*known.get("trials", ()), *new["trials"])}
     ceilings = known.get("ceilings", {}) | new["ceilings"]
-    return known | new | {"ceilings": ceilings, "trials": [trials[key] for key in sorted(trials, key=str)]}
+    return known | new | {"ceilings": ceilings, "trials": sorted(trials.values(), key=_order)}
 
 
 def read(path: Path) -> dict[str, Any]:
@@ -102,7 +104,7 @@ def tables(record: dict[str, Any]) -> list[Table]:
         ("What the device does at best", ("precision", "copy GB/s", "multiply-add GFLOP/s"),
          [[name, f"{c['bandwidth'] / 1e9:.4g}", f"{c['flops'] / 1e9:.4g}"] for name, c in limits.items()]),
         ("Cases", HEADER, [_cells(trial) for trial in good]),
-        ("Kernels", KERNEL_HEADER, [row for trial in good for row in _kernels(trial, limits)]),
+        ("Kernels", KERNEL_HEADER, [row for trial in good for row in _kernels(trial)]),
     ]  # fmt: skip
     if "startup" in record:
         header = ("cache of kernels", "s to the first step", "of these imports", "scene", "first step")
@@ -122,6 +124,7 @@ def tables(record: dict[str, Any]) -> list[Table]:
 def picture(records: list[dict[str, Any]]) -> bytes:
     """Particle-steps per second against particles, of every case on the block and every device: a PNG."""
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
     trials = [
         (k, t)
@@ -132,17 +135,15 @@ def picture(records: list[dict[str, Any]]) -> bytes:
     precisions = sorted({t["precision"] for _, t in trials}, reverse=True) or ["float64"]
     figure = Figure(figsize=(10.0, 1.0 + 3.6 * len(precisions)), dpi=120, layout="constrained")
     grid = figure.subplots(len(precisions), 2, squeeze=False, sharey=True)
-    names = [record["facts"]["device"] for record in records]
     for row, precision in zip(grid, precisions, strict=True):
         for axes, dim in zip(row, (2, 3), strict=True):
             chosen = [(k, t) for k, t in trials if (t["precision"], t["dim"]) == (precision, dim)]
             _panel(axes, chosen, f"{dim}D, {precision}")
         row[0].set_ylabel("particle-steps per second")
-    handles, labels = grid[0][0].get_legend_handles_labels()
-    styles = [
-        grid[0][0].plot([], [], color="#555555", **STYLES[k % len(STYLES)])[0] for k in range(len(names))
-    ]
-    figure.legend(handles + styles, labels + names, loc="outside lower center", ncols=4, frameon=False)
+    names = [record["facts"]["device"] for record in records]
+    lines = [Line2D([], [], color=colour, label=name) for name, colour in COLOURS.items()]
+    lines += [Line2D([], [], color="#555555", label=name, **_style(k)) for k, name in enumerate(names)]
+    figure.legend(handles=lines, loc="outside lower center", ncols=4, frameon=False)
     memory = io.BytesIO()
     figure.savefig(memory, format="png")
     return memory.getvalue()
@@ -171,21 +172,18 @@ def _panel(axes: Any, trials: list[tuple[int, dict[str, Any]]], title: str) -> N
                 for k, t in trials
                 if (k, t["threads"], t["case"][:-3]) == (device, threads, name)
             )
-            label = name if device == 0 else None
-            style = STYLES[device % len(STYLES)]
-            axes.plot(
-                *zip(*line, strict=True) if line else ((), ()),
-                color=colour,
-                label=label,
-                markersize=4,
-                **style,
-            )
+            axes.plot([n for n, _ in line], [rate for _, rate in line], color=colour, **_style(device))
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_title(title, fontsize=11, loc="left")
     axes.set_xlabel("particles")
     axes.grid(color="#dddddd", linewidth=0.8, which="both")
     axes.spines[["top", "right"]].set_visible(False)
+
+
+def _style(device: int) -> dict[str, Any]:
+    """Marker and line of a device."""
+    return STYLES[device % len(STYLES)] | {"markersize": 4}
 
 
 def _usual(record: dict[str, Any]) -> dict[str, Any]:
@@ -206,9 +204,9 @@ def _cells(trial: dict[str, Any]) -> list[str]:
     ]  # fmt: skip
 
 
-def _kernels(trial: dict[str, Any], ceilings: dict[str, Any]) -> list[list[str]]:
+def _kernels(trial: dict[str, Any]) -> list[list[str]]:
     """Rows of the kernels that take most of a step."""
-    best = ceilings[trial["precision"]]
+    best = trial["ceilings"]
     head = [trial["case"], f"{trial['particles']:,}", trial["precision"]]
     rows = []
     for kernel in trial["kernels"]:
@@ -231,6 +229,12 @@ def _share(value: float, whole: float) -> str:
 
 def _key(trial: dict[str, Any]) -> tuple:
     return tuple(trial.get(name) for name in ("case", "asked", "precision", "threads"))
+
+
+def _order(trial: dict[str, Any]) -> tuple[float, int]:
+    """Place in the tables: from small to large, the scenes last, cases in their own order."""
+    names = [*CASES, trial["case"]]
+    return trial["asked"] or math.inf, names.index(trial["case"])
 
 
 def _slug(device: str) -> str:
