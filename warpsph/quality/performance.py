@@ -28,15 +28,23 @@ DEFAULT_SIZES = {"cpu": (30_000,), "cuda": (1_000_000, 10_000_000)}
 LEAST_SHARE = 0.05
 """Kernels that take less of a step than this are left out of the table; the JSON has them."""
 
+LONG = 40
+"""Rows from which on a table is folded up on the page."""
+
 Table = tuple[str, Sequence[str], list[list[str]]]
 """Title, header and rows."""
 
-HEADER = (
-    "case", "particles", "precision", "M particle-steps/s", "ns per particle-step", "min", "max", "M pairs/s", "neighbours",
-    "Eulerian", "bytes per particle", "of these lists", "search", "steps per rebuild", "scene s", "solver s", "snapshot s",
-    "date", "commit",
+SPEED_HEADER = (
+    "case", "particles", "precision", "M particle-steps/s", "ns per particle-step", "min", "max", "M pairs/s",
+    "neighbours", "search", "steps per rebuild", "date", "commit",
 )  # fmt: skip
-"""Columns of the table of cases."""
+"""Columns of the table of speed."""
+
+ROOM_HEADER = (
+    "case", "particles", "precision", "Eulerian", "bytes per particle", "of these lists", "scene s", "solver s",
+    "snapshot s",
+)  # fmt: skip
+"""Columns of the table of memory, and of what a user waits for besides."""
 
 KERNEL_HEADER = (
     "case", "particles", "precision", "kernel", "ns per particle-step", "share", "M pairs/s", "GB/s", "of the copy",
@@ -87,13 +95,18 @@ def draw(root: Path) -> None:
     parts = []
     for record in records:
         facts = "\n".join(f"- {name}: {value}" for name, value in record["facts"].items() if name != "device")
-        parts.append(f"## {record['facts']['device']}\n\n{facts}")
-        parts += [
-            f"### {title}\n\n{report.markdown(header, rows)}"
-            for title, header, rows in tables(_usual(record))
-        ]
+        parts += [f"## {record['facts']['device']}", facts, *map(_section, tables(_usual(record)))]
     report.write_section(root / PAGE, "performance", "\n\n".join(parts))
     atomic.write(root / PICTURE, picture(records))
+
+
+def _section(table: Table) -> str:
+    """A table in Markdown; a long one is folded up."""
+    title, header, rows = table
+    body = report.markdown(header, rows)
+    if len(rows) > LONG:
+        body = f"<details><summary>{len(rows)} rows</summary>\n\n{body}\n\n</details>"
+    return f"### {title}\n\n{body}"
 
 
 def tables(record: dict[str, Any]) -> list[Table]:
@@ -103,7 +116,8 @@ def tables(record: dict[str, Any]) -> list[Table]:
     found = [
         ("What the device does at best", ("precision", "copy GB/s", "multiply-add GFLOP/s"),
          [[name, f"{c['bandwidth'] / 1e9:.4g}", f"{c['flops'] / 1e9:.4g}"] for name, c in limits.items()]),
-        ("Cases", HEADER, [_cells(trial) for trial in good]),
+        ("Speed", SPEED_HEADER, [_head(trial) + _speed(trial) for trial in good]),
+        ("Memory and waiting", ROOM_HEADER, [_head(trial) + _room(trial) for trial in good]),
         ("Kernels", KERNEL_HEADER, [row for trial in good for row in _kernels(trial)]),
     ]  # fmt: skip
     if "startup" in record:
@@ -192,31 +206,41 @@ def _usual(record: dict[str, Any]) -> dict[str, Any]:
     return record | {"trials": [trial for trial in record["trials"] if trial["asked"] in usual]}
 
 
-def _cells(trial: dict[str, Any]) -> list[str]:
-    ns, lasting, snapshot = trial["ns_per_particle_step"], trial["steps_per_rebuild"], trial["snapshot_s"]
+def _head(trial: dict[str, Any]) -> list[str]:
+    return [trial["case"], f"{trial['particles']:,}", trial["precision"]]
+
+
+def _speed(trial: dict[str, Any]) -> list[str]:
+    ns, lasting = trial["ns_per_particle_step"], trial["steps_per_rebuild"]
     return [
-        trial["case"], f"{trial['particles']:,}", trial["precision"], f"{trial['particle_steps_per_s'] / 1e6:.4g}",
-        f"{median(ns):.4g}", f"{min(ns):.4g}", f"{max(ns):.4g}", f"{trial['pairs_per_s'] / 1e6:.4g}",
-        f"{trial['mean_neighbours']:.1f}", f"{trial['eulerian_share']:.0%}", f"{trial['bytes_per_particle']:.0f}",
-        f"{trial['list_bytes_per_particle']:.0f}", f"{trial['search_share']:.0%}", f"{lasting:.1f}" if lasting else "-",
-        f"{trial['scene_s']:.2g}", f"{trial['solver_s']:.2g}", f"{snapshot:.2g}" if snapshot is not None else "-",
-        trial["date"], trial["commit"].replace(", with changes", "+"),
+        f"{trial['particle_steps_per_s'] / 1e6:.3g}", _ns(median(ns)), _ns(min(ns)), _ns(max(ns)),
+        f"{trial['pairs_per_s'] / 1e6:.3g}", f"{trial['mean_neighbours']:.1f}", f"{trial['search_share']:.0%}",
+        f"{lasting:.1f}" if lasting else "-", trial["date"], trial["commit"].replace(", with changes", "+"),
     ]  # fmt: skip
+
+
+def _room(trial: dict[str, Any]) -> list[str]:
+    sizes = [f"{trial[name]:,.0f}" for name in ("bytes_per_particle", "list_bytes_per_particle")]
+    waits = [trial[name] for name in ("scene_s", "solver_s", "snapshot_s")]
+    return [f"{trial['eulerian_share']:.0%}", *sizes, *("-" if s is None else f"{s:.2g}" for s in waits)]
 
 
 def _kernels(trial: dict[str, Any]) -> list[list[str]]:
     """Rows of the kernels that take most of a step."""
     best = trial["ceilings"]
-    head = [trial["case"], f"{trial['particles']:,}", trial["precision"]]
     rows = []
     for kernel in trial["kernels"]:
         if kernel["share"] >= LEAST_SHARE:
-            cells = [kernel["name"], f"{kernel['ns_per_particle_step']:.4g}", f"{kernel['share']:.0%}"]
+            cells = [kernel["name"], _ns(kernel["ns_per_particle_step"]), f"{kernel['share']:.0%}"]
             cells += [_of(kernel["pairs_per_s"], 1e6)]
             cells += [_of(kernel["bytes_per_s"], 1e9), _share(kernel["bytes_per_s"], best["bandwidth"])]
             cells += [_of(kernel["flops_per_s"], 1e9), _share(kernel["flops_per_s"], best["flops"])]
-            rows.append(head + cells)
+            rows.append(_head(trial) + cells)
     return rows
+
+
+def _ns(value: float) -> str:
+    return f"{value:.3g}" if value < 100.0 else f"{value:,.0f}"
 
 
 def _of(value: float, unit: float) -> str:
@@ -231,10 +255,10 @@ def _key(trial: dict[str, Any]) -> tuple:
     return tuple(trial.get(name) for name in ("case", "asked", "precision", "threads"))
 
 
-def _order(trial: dict[str, Any]) -> tuple[float, int]:
-    """Place in the tables: from small to large, the scenes last, cases in their own order."""
-    names = [*CASES, trial["case"]]
-    return trial["asked"] or math.inf, names.index(trial["case"])
+def _order(trial: dict[str, Any]) -> tuple[float, int, int]:
+    """Place in the tables: from small to large, the scenes last, cases and precisions in their own order."""
+    cases, precisions = [*CASES, trial["case"]], ["float64", "float32", trial["precision"]]
+    return trial["asked"] or math.inf, cases.index(trial["case"]), precisions.index(trial["precision"])
 
 
 def _slug(device: str) -> str:
