@@ -252,7 +252,18 @@ def test_version_and_help_of_everything(command, monkeypatch):
     assert command("--version")[1] == warpsph.__version__ + "\n"
     code, out, _ = command("--help")
     assert code == 0
-    for name in ("run", "resume", "render", "info", "plot", "materials", "scenes", "validate", "bench"):
+    for name in (
+        "run",
+        "resume",
+        "render",
+        "info",
+        "plot",
+        "materials",
+        "scenes",
+        "validate",
+        "bench",
+        "compare",
+    ):
         assert name in out
         assert command(name, "--help")[0] == 0
 

@@ -96,7 +96,7 @@ def _app(tokens: list[str]) -> App:
         "warpsph", "Smoothed particle hydrodynamics of high-velocity impact, on NVIDIA Warp kernels."
     )
     app.command(_run_command(_scene_in(tokens)), name="run")
-    for command in (resume, render, info, plot, materials, scenes, validate, bench):
+    for command in (resume, render, info, plot, materials, scenes, validate, bench, compare):
         app.command(command)
     return app
 
@@ -319,38 +319,67 @@ def validate(case: str | None = None, /, *, out: Path = Path("runs/validation"),
 
 
 def bench(
+    *cases: str,
+    device: str = "cpu",
+    precision: list[str] | None = None,
+    particles: Annotated[list[int] | None, Parameter(name=["--particles", "-n"])] = None,
+    threads: int | None = None,
+    json: Path | None = None,
+) -> None:
+    """Measure what a step costs on this machine: rates, memory, time and traffic of each kernel.
+
+    Args:
+        cases: eulerian, eulerian-mixed, tl, adaptle, ts2 and pm on a block of particles (2D and 3D; -2d or -3d takes
+            one), hvi_2d and debris_3d as they are; all if none is given.
+        device: Where to compute: cpu, or cuda:0, cuda:1, ...
+        precision: Arithmetic of the particles; may be given several times. float64 and float32 if not given.
+        particles: Particles of the block; may be given several times. 30000 on a CPU, 1000000 and 10000000 on CUDA if
+            not given.
+        threads: CPU threads; all cores if not given.
+        json: File for everything that was measured.
+    """
+    _check_limits(None, threads)
+    with _reporting(device) as progress:
+        from .quality.bench import bench as measure
+
+        print(
+            measure(
+                cases,
+                device,
+                precisions=precision,
+                sizes=particles,
+                threads=threads,
+                json=json,
+                progress=progress,
+            )
+        )
+
+
+def compare(
     *,
     device: str = "cpu",
     peer: list[str] | None = None,
-    size: int | None = None,
     full: Flag = False,
     lagrangian: Flag = False,
     repeats: int = 5,
 ) -> None:
-    """Measure the time per particle and step of the two-dimensional impact, and what each kernel takes of it.
+    """Measure the steps of a two-dimensional impact beside those of other codes, and what each scheme costs.
 
     Args:
         device: Where to compute: cpu, or cuda:0, cuda:1, ...
         peer: Command of another code to measure in turn, which prints JSON with ns_per_particle_step and threads in
             its last line; may be given several times.
-        size: Measure an impact in 2D and one in 3D of about so many particles too.
         full: Measure the whole 8 µs too, once.
         lagrangian: Measure Total Lagrangian and coupled steps on the plate of debris_3d instead; a peer's JSON then
             names its case, plate or taylor.
         repeats: Repetitions of every measurement.
     """
     with _reporting(device) as progress:
-        from .quality.bench import bench as measure
+        from .quality.compare import compare as measure
 
         print(
             measure(
-                device,
-                peers=peer or (),
-                size=size,
-                full=full,
-                lagrangian=lagrangian,
-                repeats=repeats,
-                progress=progress,
+                device, peers=peer or (), full=full, lagrangian=lagrangian, repeats=repeats, progress=progress
             )
         )
 

@@ -1,240 +1,165 @@
-"""What ``warpsph bench`` measures: the step loop alone, beside another code's if you like, and what each kernel costs."""
+"""What ``warpsph bench`` measures: every family of schemes on a block of particles, and two scenes as they are."""
 
-import math
+import gc
+import itertools
+import json as json_format
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import replace
-from statistics import median
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
 
-from warpsph import library
-from warpsph.errors import InputError
+import warp as wp
+
+from warpsph.errors import InputError, RunError
 from warpsph.info import table
-from warpsph.launch import find_device
+from warpsph.launch import Launcher, find_device
+from warpsph.neighbours import MAX_PARTICLES
 from warpsph.progress import Progress
-from warpsph.scene import Scene, SceneData
-from warpsph.shapes import Box, Sphere
-from warpsph.solver import Solver
+from warpsph.solver import PRECISIONS
+from warpsph.storage import atomic
 
-from . import report, series
-from .lagrangian_costs import lagrangian_costs
-from .peer import Peer
-from .scheme_costs import scheme_costs
-from .series import HEADER, Series, Variant, advance, first_steps
-from .stopwatch import REST, ROWS, kernel_times
+from . import ceilings, performance, report, startup, trial
+from .trial import CASES, SCENES, SCHEMES, Case
 
-SCHEME = "sav1-as"
-"""Scheme of the two-dimensional case: what the peer script for PySPH solves."""
+DEFAULT_PRECISIONS = ("float64", "float32")
+"""Precisions that are measured where none is asked for."""
 
-PRECISIONS = ("float64", "float32")
-"""In the order of the tables."""
+SMALLEST = 100
+"""Particles of the block, at least."""
 
 
 def bench(
+    cases: Sequence[str] = (),
     device: str = "cpu",
     *,
-    peers: Sequence[str] = (),
-    size: int | None = None,
-    full: bool = False,
-    lagrangian: bool = False,
-    repeats: int = 5,
+    precisions: Sequence[str] | None = None,
+    sizes: Sequence[int] | None = None,
+    threads: int | None = None,
+    json: Path | None = None,
+    budget: float | None = None,
     progress: Progress | None = None,
 ) -> str:
-    """Measure, and write the report into docs/benchmarks.md where this runs from a checkout.
+    """Measure cases, and add them to docs/performance.md where this runs from a checkout.
 
     Args:
+        cases: Names of `CASES`, or of `SCHEMES` for 2D and 3D; all, and how long a start takes, if there are none.
         device: Where to compute.
-        peers: Commands of other codes, measured in turn with ours; each prints one line of JSON last.
-        size: Measure an impact in 2D and one in 3D of about so many particles as well.
-        full: Measure the whole 8 µs as well, once with every variant, and the peers again in between.
-        lagrangian: Measure Total Lagrangian and coupled steps instead, in a section of their own.
-        repeats: Repetitions of every measurement.
+        precisions: Names of `warpsph.solver.PRECISIONS`.
+        sizes: Particles of the block.
+        threads: CPU threads; all cores if not given.
+        json: File for everything that was measured, written after every case.
+        budget: No case is begun after so long [s].
         progress: Where progress goes.
 
     Returns:
-        The report, for a terminal.
+        The tables, for a terminal.
 
     Raises:
-        InputError: An argument makes no sense.
-        RunError: A peer failed.
+        InputError: An argument is not allowed.
     """
-    if repeats < 1:
-        raise InputError(f"--repeats {repeats} is not allowed; allowed: 1 or more")
-    if size is not None and not 1000 <= size <= 100_000_000:
-        raise InputError(f"--size {size} is not allowed; allowed: 1000 to 100000000 particles")
-    if lagrangian and (full or size is not None):
-        raise InputError(
-            "--full and --size do not go with --lagrangian, which has a plate of its own; allowed: neither"
-        )
+    end = time.monotonic() + budget if budget is not None else float("inf")
     say = (progress or Progress()).message
-    origin = report.facts(find_device(device))
-    if lagrangian:
-        tables = lagrangian_costs(_variants(device), [Peer(command) for command in peers], repeats, say)
-        return _told("lagrangian", origin, tables)
-    data = impact_2d().finalize()
-    variants, others = _variants(device), [Peer(command) for command in peers]
-    rows = _in_turn("2D impact", data, variants, others, repeats, say)
-    dt = next((peer.facts["dt"] for peer in others if "dt" in peer.facts), None)
-    if dt is not None:
-        double = [variant for variant in variants if variant.precision == "float64"]
-        rows += _in_turn(
-            "2D impact", at_step(data, dt), double, [], repeats, say, f" of about {dt * 1e9:.3g} ns"
-        )
-    beside = _comparison(others, rows)
-    if full:
-        others = [
-            Peer(command) for command in peers
-        ]  # measured anew: the machine may have got slower meanwhile
-        whole = _whole_in_turn("2D impact", data, variants, others, say)
-        rows, beside = rows + whole, beside + _comparison(others, whole)
-    if size is not None:
-        for case, scene in (("2D impact", impact_2d(size)), ("3D impact", impact_3d(size))):
-            rows += _in_turn(case, scene.finalize(), _variants(device)[-2:], [], repeats, say)
-    schemes = scheme_costs(impact_2d(), variants, repeats, say)
-    say("timing every kernel ...")
-    tables = [("", HEADER, [row.cells() for row in rows])]
-    if beside:
-        tables.append(("Beside other codes", PEER_HEADER, beside))
-    tables.append(("What the schemes cost", *schemes))
-    tables.append(("What a step is made of", *_shares(data, variants)))
-    return _told("cuda" if find_device(device).is_cuda else "cpu", origin, tables)
-
-
-def impact_2d(particles: int | None = None) -> Scene:
-    """Build the bundled scene hvi_2d at the paper's resolution, or with about so many particles."""
-    spacing = 1e-4 if particles is None else 1e-4 * (17850 / particles) ** 0.5
-    return library.load("hvi_2d").build(scheme=SCHEME, spacing=spacing)
-
-
-def impact_3d(particles: int) -> Scene:
-    """Build an aluminium sphere that hits an aluminium plate at 3.1 km/s, of about so many particles."""
-    radius, half, thickness = 5e-3, 20e-3, 2e-3
-    volume = 4.0 / 3.0 * math.pi * radius**3 + 4.0 * half**2 * thickness
-    spacing = (volume / particles) ** (1.0 / 3.0)
-    scene = Scene("impact_3d", dim=3, spacing=spacing, until=8e-6)
-    ball = Sphere(radius, (-radius - 1.9 * spacing, 0.0, 0.0))
-    scene.add_body("projectile", ball, "aluminium", velocity=(3100.0, 0.0, 0.0))
-    scene.add_body("plate", Box((0.0, -half, -half), (thickness, half, half)), "aluminium")
-    return scene
-
-
-def at_step(data: SceneData, dt: float) -> SceneData:
-    """Give the same scene with the Courant number that makes the first step ``dt`` [s]."""
-    solver = Solver(data)
-    solver.advance(math.inf, lambda now: True)
-    numerics = replace(data.numerics, cfl=data.numerics.cfl * dt / solver.reading.dt_max)
-    return replace(data, numerics=numerics)
-
-
-def _variants(device: str) -> list[Variant]:
-    """Both precisions; on a CPU with one thread, then with all."""
     found = find_device(device)
-    if found.is_cuda:
-        return [Variant(device, precision, None) for precision in PRECISIONS]
-    everything = report.cores()
-    return [
-        Variant(device, precision, threads) for threads in sorted({1, everything}) for precision in PRECISIONS
-    ]
-
-
-def _in_turn(
-    case: str,
-    data: SceneData,
-    variants: list[Variant],
-    peers: list[Peer],
-    repeats: int,
-    say: Callable[[str], None],
-    which: str = "",
-) -> list[Series]:
-    """Measure the first steps with every variant and every peer in turn, so that all see the same machine."""
-    window = f"steps {series.WARM_UP + 1} to {series.WARM_UP + series.STEPS}{which}"
-    rows = [Series(case, window, variant, len(data.x)) for variant in variants]
-    for k in range(repeats):
-        say(f"{case}, {len(data.x):,} particles: repetition {k + 1} of {repeats}")
-        for row in rows:
-            first_steps(row, data)
-        for peer in peers:
-            peer.measure()
-    return rows
-
-
-def _whole_in_turn(
-    case: str, data: SceneData, variants: list[Variant], peers: list[Peer], say: Callable[[str], None]
-) -> list[Series]:
-    """Measure a scene from beginning to end with every variant, and every peer after each."""
-    rows = []
-    for variant in variants:
-        rows.append(_whole(case, data, variant, say))
-        for peer in peers:
-            peer.measure()
-    return rows
-
-
-def _whole(case: str, data: SceneData, variant: Variant, say: Callable[[str], None]) -> Series:
-    """Measure a scene from beginning to end, once; neighbours are counted ten times in between."""
-    say(
-        f"{case}, {len(data.x):,} particles: the whole time, {variant.precision}, {variant.threads or 1} threads"
-    )
-    solver = variant.solver(data)
-    row = Series(case, f"all {data.until * 1e6:g} µs", variant, len(data.x))
-    wall, counts, builds = 0.0, [], 0
-    for k in range(10):
-        before, start = solver.neighbours.builds, time.perf_counter()
-        solver.advance(data.until * (k + 1) / 10)
-        wall += time.perf_counter() - start
-        builds += solver.neighbours.builds - before
-        counts.append(solver.mean_neighbours())
-    row.steps, row.builds, row.neighbours = solver.reading.steps, builds, sum(counts) / len(counts)
-    row.ns.append(1e9 * wall / (row.steps * len(data.x)))
-    return row
-
-
-PEER_HEADER = (
-    "code", "particles", "neighbours", "threads", "steps", "its ns per particle-step: median", "min", "max",
-    "window of warpsph", "warpsph's median", "times faster",
-)  # fmt: skip
-"""Columns of the comparison."""
-
-
-def _comparison(peers: list[Peer], rows: list[Series]) -> list[list[str]]:
-    """Each peer beside our float64 figures for the same case and number of threads."""
-    out = []
-    for peer in peers:
-        for row in rows:
-            if row.variant.threads in (peer.facts["threads"], None) and row.variant.precision == "float64":
-                ours = median(row.ns)
-                out.append([*peer.cells(), row.window, f"{ours:.4g}", f"{median(peer.ns) / ours:.2f}"])
-    return out
-
-
-def _shares(data: SceneData, variants: list[Variant]) -> tuple[list[str], list[list[str]]]:
-    """Header and rows of the second table: time per particle and step, and its share, by kernel and variant."""
-    columns = []
-    for variant in variants:
-        solver = variant.solver(data)
-        advance(solver, series.WARM_UP)
-        before = solver.reading.steps
-        spent = kernel_times(solver, lambda solver=solver: advance(solver, series.STEPS))
-        total = sum(spent.values())
-        work = (solver.reading.steps - before) * len(data.x)
-        columns.append({name: f"{1e9 * t / work:.3g} ({t / total:.0%})" for name, t in spent.items()})
-    header = ["kernel, ns per particle-step (share)"]
-    header += [f"{v.precision}, {_threads(v)}" for v in variants]
-    own = [name for name in columns[0] if name not in (ROWS, REST)]
-    names = own + [name for name in (ROWS, REST) if name in columns[0]]
-    return header, [[name, *(column.get(name, "-") for column in columns)] for name in names]
-
-
-def _threads(variant: Variant) -> str:
-    return "GPU" if variant.threads is None else f"{variant.threads} thread{'s' * (variant.threads > 1)}"
-
-
-def _told(section: str, origin: dict[str, str], tables: list) -> str:
-    """Write the report into a section of the documentation of a checkout, and give it for a terminal."""
+    chosen = choose(cases)
+    precisions = _checked("precision", precisions or DEFAULT_PRECISIONS, PRECISIONS)
+    sizes = sizes or performance.DEFAULT_SIZES["cuda" if found.is_cuda else "cpu"]
+    for size in sizes:
+        if not SMALLEST <= size <= MAX_PARTICLES:
+            raise InputError(f"-n {size} is not allowed; allowed: {SMALLEST} to {MAX_PARTICLES} particles")
+    say("measuring what the device can do ...")
+    launcher = Launcher(device, threads)
+    best = {name: asdict(ceilings.measure(launcher, _real(name))) for name in precisions}
+    record: dict[str, Any] = {"facts": report.facts(found), "ceilings": best, "trials": []}
+    for done in _trials(_jobs(chosen, sizes), best, end, say, device=device, threads=threads):
+        record["trials"].append(done)
+        _write(json, record)
+    if not cases and time.monotonic() < end:
+        say(f"starting {startup.SCENE} with an empty cache of kernels, and again ...")
+        try:
+            record["startup"] = startup.measure(device)
+        except RunError as error:
+            say(str(error))
+        _write(json, record)
     root = report.checkout()
     if root is not None:
-        facts = "\n".join(f"- {name}: {value}" for name, value in origin.items())
-        parts = [
-            f"### {title}\n\n" * bool(title) + report.markdown(head, body) for title, head, body in tables
-        ]
-        report.write_section(root / "docs" / "benchmarks.md", section, "\n\n".join([facts, *parts]))
-    return "\n\n".join((f"{title}\n" if title else "") + table(body, head) for title, head, body in tables)
+        try:
+            performance.add(root, record)
+        except ImportError as error:
+            say(f"no picture: {error}")
+    return "\n\n".join(
+        f"{title}\n{table(rows, header)}" for title, header, rows in performance.tables(record)
+    )
+
+
+def choose(names: Sequence[str]) -> list[Case]:
+    """Cases by their names, in the order of `CASES`; all if there are none.
+
+    Raises:
+        InputError: There is no such case.
+    """
+    if not names:
+        return list(CASES.values())
+    allowed = {name: {f"{name}-2d", f"{name}-3d"} for name in SCHEMES} | {name: {name} for name in CASES}
+    for name in names:
+        if name not in allowed:
+            known = f"{', '.join((*SCHEMES, *SCENES))}; -2d or -3d takes one of the two"
+            raise InputError(f"case {name!r} is unknown; allowed: {known}")
+    wanted = set().union(*(allowed[name] for name in names))
+    return [case for name, case in CASES.items() if name in wanted]
+
+
+def _trials(
+    jobs: list[tuple[Case, int | None]],
+    best: dict[str, dict],
+    end: float,
+    say: Callable[[str], None],
+    **options,
+) -> Iterator[dict[str, Any]]:
+    """Measure every job in the precisions that ``best`` has ceilings of; what the device has no room for says so.
+
+    The options are those of `trial.measure`; nothing is begun after ``end``.
+    """
+    built, data, seconds = None, None, 0.0
+    origin = {"commit": report.commit(), "date": report.today()}
+    for (case, size), precision in itertools.product(jobs, best):
+        if time.monotonic() >= end:
+            say(f"{case.name}, {precision}: left out, the time is up")
+            continue
+        place = (case.dim, size) if case.scheme else case.name
+        if place != built:
+            data = None  # two scenes at once need not fit into memory
+            (data, seconds), built = trial.build(case, size), place
+        say(f"{case.name}, {len(data.x):,} particles, {precision}")
+        done = {"case": case.name, "asked": size, "particles": len(data.x), "precision": precision, **origin}
+        try:
+            measured = trial.measure(trial.with_scheme(data, case), precision=precision, **options)
+            done |= {"scene_s": seconds, "ceilings": best[precision], **measured}
+        except (RunError, MemoryError, RuntimeError) as error:
+            say(f"{case.name}, {precision}: {error}")
+            done["failed"] = str(error)
+        yield done
+        gc.collect()
+
+
+def _jobs(chosen: list[Case], sizes: Sequence[int]) -> list[tuple[Case, int | None]]:
+    """Cases on the block from small to large, then the scenes, which have a size of their own."""
+    blocks = [(case, size) for size in sorted(sizes) for case in chosen if case.scheme]
+    return blocks + [(case, None) for case in chosen if not case.scheme]
+
+
+def _checked(what: str, names: Sequence[str], allowed: Sequence[str]) -> list[str]:
+    for name in names:
+        if name not in allowed:
+            raise InputError(f"{what} {name!r} is unknown; allowed: {', '.join(allowed)}")
+    return list(dict.fromkeys(names))
+
+
+def _real(precision: str) -> type:
+    """Scalar type whose ceilings a precision is held against."""
+    return wp.float64 if precision == "float64" else wp.float32
+
+
+def _write(path: Path | None, record: dict[str, Any]) -> None:
+    if path is not None:
+        atomic.write(Path(path), json_format.dumps(record, indent=1).encode())

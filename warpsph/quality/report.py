@@ -27,12 +27,14 @@ def checkout() -> Path | None:
 def facts(device: wp.Device) -> dict[str, str]:
     """Where and from what a figure was measured: date, device and its load, operating system, commit, versions."""
     versions = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
+    driver = wp.get_cuda_driver_version() if device.is_cuda else None
     return {
-        "date": datetime.date.today().isoformat(),
+        "date": today(),
         "device": device.name if device.is_cuda else _processor(),
+        **({"driver": "CUDA " + ".".join(map(str, driver))} if driver else {}),
         "load average": f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown",
         "system": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
-        "warpsph": f"{__version__}, commit {_commit()}",
+        "warpsph": f"{__version__}, commit {commit()}",
         "libraries": versions,
     }
 
@@ -59,6 +61,11 @@ def write_section(path: Path, name: str, text: str) -> None:
     atomic.write(path, f"{before}{begin}\n{text.strip()}\n{end}{after}".encode())
 
 
+def today() -> str:
+    """Date of a report."""
+    return datetime.date.today().isoformat()
+
+
 def cores() -> int:
     """Processor cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -75,7 +82,7 @@ def _processor() -> str:
     return f"{name}, {cores()} cores"
 
 
-def _commit() -> str:
+def commit() -> str:
     """Commit of the checkout, marked where files have changed since; ``unknown`` outside of one."""
     root = checkout()
     if root is None:

@@ -1,8 +1,10 @@
 """Where the time of a step goes: by kernel, timed on the host (CPU) or by the driver (CUDA)."""
 
+import contextlib
+import re
 import time
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import warp as wp
 
@@ -20,15 +22,20 @@ def kernel_times(solver: Solver, work: Callable[[], None]) -> dict[str, float]:
         work: Steps the solver.
 
     Returns:
-        Wall time [s] by kernel, longest first, with `ROWS` and `REST`; on CUDA the driver's kernel times instead.
+        Wall time [s] by kernel, longest first, with `ROWS` and `REST`; on CUDA a kernel's is the driver's.
     """
-    spent = _driver_times(work) if solver.launcher.device.is_cuda else _host_times(solver, work)
+    timed = _driver_times if solver.launcher.device.is_cuda else _host_times
+    spent: dict[str, float] = defaultdict(float)
+    start = time.perf_counter()
+    with timed(solver, spent):
+        work()
+    spent[REST] = time.perf_counter() - start - sum(spent.values())
     return dict(sorted(spent.items(), key=lambda item: -item[1]))
 
 
-def _host_times(solver: Solver, work: Callable[[], None]) -> dict[str, float]:
+@contextlib.contextmanager
+def _host_times(solver: Solver, spent: dict[str, float]) -> Iterator[None]:
     """Time each launch around the call: on a CPU a launch returns when it is done."""
-    spent: dict[str, float] = defaultdict(float)
     launcher, neighbours = solver.launcher, solver.neighbours
     execute, build = launcher.execute, neighbours.build
     building = False
@@ -47,28 +54,54 @@ def _host_times(solver: Solver, work: Callable[[], None]) -> dict[str, float]:
         spent[ROWS] += time.perf_counter() - start
 
     launcher.execute, neighbours.build = timed_execute, timed_build
-    start = time.perf_counter()
     try:
-        work()
+        yield
     finally:
         del launcher.execute, neighbours.build  # the methods of the class again
-    spent[REST] = time.perf_counter() - start - sum(spent.values())
-    return spent
 
 
-def _driver_times(work: Callable[[], None]) -> dict[str, float]:
-    """Sum the driver's times by kernel."""
-    spent: dict[str, float] = defaultdict(float)
+@contextlib.contextmanager
+def _driver_times(solver: Solver, spent: dict[str, float]) -> Iterator[None]:
+    """Sum the driver's times by kernel between rebuilds; a rebuild is timed as a whole, from idle to idle."""
+    neighbours, device = solver.neighbours, solver.launcher.device
+    build = neighbours.build
+
+    def collect():
+        for result in wp.timing_end():
+            spent[short_name(result.name)] += 1e-3 * result.elapsed
+
+    def timed_build():
+        collect()
+        start = time.perf_counter()
+        build()
+        wp.synchronize_device(device)
+        spent[ROWS] += time.perf_counter() - start
+        wp.timing_begin(cuda_filter=wp.TIMING_ALL)
+
+    neighbours.build = timed_build
     wp.timing_begin(cuda_filter=wp.TIMING_ALL)
     try:
-        work()
+        with one_by_one(solver):
+            yield
     finally:
-        results = wp.timing_end()
-    for result in results:
-        spent[short_name(result.name)] += 1e-3 * result.elapsed
-    return spent
+        collect()
+        del neighbours.build
+
+
+@contextlib.contextmanager
+def one_by_one(solver: Solver) -> Iterator[None]:
+    """Launch the kernels of a step one by one, not as a captured graph in which they cannot be told apart."""
+    graphs = [part for part in vars(solver).values() if getattr(part, "captured", False) is True]
+    for graph in graphs:
+        graph.captured = False
+    try:
+        yield
+    finally:
+        for graph in graphs:
+            graph.captured = True
 
 
 def short_name(key: str) -> str:
-    """Name of a kernel as its file has it: ``momentum`` for ``make_momentum__locals__momentum``."""
-    return key.removeprefix("forward kernel ").rpartition("__locals__")[2]
+    """Name of a kernel as its file has it: ``momentum`` for ``make_momentum__locals__momentum`` with the driver's hash."""
+    name = key.removeprefix("forward kernel ").rpartition("__locals__")[2]
+    return re.sub(r"_[0-9a-f]{8}$", "", name)

@@ -1,0 +1,67 @@
+"""Ceilings of a device, measured: how fast it copies memory, and how fast it multiplies and adds."""
+
+import time
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import numpy as np
+import warp as wp
+
+from warpsph.kernels.ceilings import CHAINS, make_ceilings
+from warpsph.kernels.spec import Spec
+from warpsph.launch import Launcher
+
+COPIED_CPU, COPIED_CUDA = 1 << 29, 1 << 30
+"""Bytes of the array that is copied: more than any cache holds."""
+
+THREADS_CPU, THREADS_CUDA = 1 << 10, 1 << 19
+"""Threads that multiply and add."""
+
+ROUNDS = 10_000
+"""Multiply-adds of each of a thread's chains."""
+
+REPEATS = 5
+"""Repetitions; the fastest counts, for a ceiling is what nothing disturbs."""
+
+
+@dataclass(frozen=True)
+class Ceilings:
+    """What a device does at best in one precision.
+
+    Attributes:
+        bandwidth: Bytes read and written by a copy [1/s].
+        flops: Multiplications and additions [1/s].
+    """
+
+    bandwidth: float
+    flops: float
+
+
+def measure(launcher: Launcher, real: type) -> Ceilings:
+    """Measure the ceilings of a device, with its threads, in a precision (``wp.float32`` or ``wp.float64``)."""
+    kernels = make_ceilings(Spec(3, real))
+    cuda = launcher.device.is_cuda
+    size = np.dtype(wp.dtype_to_numpy(real)).itemsize
+    count = (COPIED_CUDA if cuda else COPIED_CPU) // wp.types.type_size_in_bytes(kernels.packet)
+    threads, rounds = (THREADS_CUDA if cuda else THREADS_CPU), ROUNDS
+    with wp.ScopedDevice(launcher.device):
+        work = SimpleNamespace(
+            source=wp.ones(count, dtype=kernels.packet), target=wp.zeros(count, dtype=kernels.packet),
+            total=wp.zeros(threads, dtype=real), rounds=rounds, factor=0.5,
+        )  # fmt: skip
+    copy = _fastest(launcher, launcher.bind(kernels.copy, count, work))
+    sums = _fastest(launcher, launcher.bind(kernels.multiply_add, threads, work))
+    moved = 2 * count * len(kernels.packet()) * size
+    return Ceilings(bandwidth=moved / copy, flops=2.0 * CHAINS * rounds * threads / sums)
+
+
+def _fastest(launcher: Launcher, command) -> float:
+    """Shortest wall time of a launch [s]; the first one, which loads the kernel, does not count."""
+    taken = []
+    for _ in range(1 + REPEATS):
+        wp.synchronize_device(launcher.device)
+        start = time.perf_counter()
+        command()
+        wp.synchronize_device(launcher.device)
+        taken.append(time.perf_counter() - start)
+    return min(taken[1:])
