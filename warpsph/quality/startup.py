@@ -1,0 +1,71 @@
+"""How long a user waits: from the start of the process to the end of a scene's first step."""
+
+import contextlib
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from warpsph import library
+from warpsph.errors import RunError
+from warpsph.progress import Progress, quiet_warp
+
+_CHILD = "import sys; from warpsph import cli; from warpsph.quality.startup import first_step; first_step(*sys.argv[1:])"
+"""What a process runs: the command line's modules are loaded as in `warpsph run`, though nothing is parsed."""
+
+_STEPPED = "stepped"
+"""What it says when the first step is done."""
+
+
+class _Stepped(Exception):
+    """The first step is done."""
+
+
+class _UntilFirstStep(Progress):
+    """Ends a run at its first report, which comes after one step."""
+
+    def update(self, **_facts: float) -> None:
+        """Say so, and stop."""
+        print(_STEPPED, flush=True)
+        raise _Stepped
+
+
+def first_step(scene: str, out: str) -> None:
+    """Run a scene into a folder up to its first step, with all that a run writes by then.
+
+    Args:
+        scene: A bundled scene by name, or the path of a scene file.
+        out: Output folder, empty or none yet.
+    """
+    progress = _UntilFirstStep()
+    with contextlib.suppress(_Stepped), quiet_warp(progress):
+        from warpsph.run import run
+
+        run(library.load(scene).build(), Path(out), frames=False, progress=progress)
+
+
+def measure(scene: str, cold: bool) -> float:
+    """Wall time from the start of a process to the end of the first step of a scene on the CPU [s].
+
+    Args:
+        scene: A bundled scene by name, or the path of a scene file.
+        cold: With an empty kernel cache; else with that of the user, warm after any run of the scene.
+
+    Raises:
+        RunError: If the process ends before a step; with the last line that it wrote.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        cache = {"WARP_CACHE_PATH": str(Path(folder, "cache"))} if cold else {}
+        started = time.perf_counter()
+        with subprocess.Popen(
+            [sys.executable, "-c", _CHILD, scene, str(Path(folder, "out"))],
+            env=os.environ | cache, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        ) as child:  # fmt: skip
+            said = child.stdout.readline().strip()
+            seconds = time.perf_counter() - started
+            complaint = child.communicate()[1].strip()
+    if said != _STEPPED:
+        raise RunError(f"scene {scene!r} took no step: {(complaint.splitlines() or ['no reason given'])[-1]}")
+    return seconds
