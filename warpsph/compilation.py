@@ -4,30 +4,31 @@ from collections.abc import Iterator
 
 import warp as wp
 
+from .launch import count_cores
+
 
 def kernels_of(*holders: object) -> set[wp.Kernel]:
-    """Find the kernels among the attributes of objects, in named tuples and dictionaries too."""
+    """Find the kernels among the attributes of objects, in named tuples too."""
     return {kernel for holder in holders for value in vars(holder).values() for kernel in _within(value)}
 
 
-def load(kernels: set[wp.Kernel], device: wp.Device, workers: int) -> None:
-    """Load the modules of kernels on a device, compiling those that the kernel cache lacks in several threads.
+def compile_modules(kernels: set[wp.Kernel], device: wp.Device) -> None:
+    """Load the modules of kernels, each compiled by one thread if the kernel cache lacks it.
 
-    Warp would compile one module after the other, each at its first launch. A module that is loaded already costs
-    nothing.
+    Warp by itself compiles a module at the first launch that needs it, one after the other. Every thread makes a
+    precompiled header of its own, which takes as long as some six modules.
 
     Args:
-        kernels: The kernels that will be launched.
+        kernels: Kernels that will be launched, with Warp's usual number of threads per block.
         device: Where they will be launched.
-        workers: Threads that compile.
     """
     modules = sorted({kernel.module for kernel in kernels}, key=lambda module: module.name)
-    wp.force_load(device, modules, max_workers=workers)
+    wp.force_load(device, modules, max_workers=count_cores())
 
 
 def _within(value: object) -> Iterator[wp.Kernel]:
     if isinstance(value, wp.Kernel):
         yield value
-    elif isinstance(value, tuple | list | dict):
-        for part in value.values() if isinstance(value, dict) else value:
+    elif isinstance(value, tuple):
+        for part in value:
             yield from _within(part)

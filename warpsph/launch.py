@@ -70,7 +70,7 @@ class Launcher:
             InputError: If there is no such device, or ``threads`` is below one.
         """
         self.device = find_device(device)
-        cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        cores = count_cores()
         if threads is not None and threads < 1:
             raise InputError(
                 f"threads = {threads} is out of range; allowed: 1 or more (this machine has {cores})"
@@ -151,6 +151,11 @@ def _checked(kernel: wp.Kernel, var, name: str, value: object) -> object:
                 f"{kernel.key}: array {name!r} has type {found.__name__}, not {expected.__name__}"
             )
     return value
+
+
+def count_cores() -> int:
+    """Give the number of CPU cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def find_device(name: str) -> wp.Device:
