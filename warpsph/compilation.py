@@ -6,6 +6,9 @@ import warp as wp
 
 from .launch import count_cores
 
+PER_THREAD = 4
+"""Modules that a thread has to compile to be worth it: it makes a precompiled header first, in the time of some six."""
+
 
 def kernels_of(*holders: object) -> set[wp.Kernel]:
     """Find the kernels among the attributes of objects, in named tuples too."""
@@ -15,15 +18,14 @@ def kernels_of(*holders: object) -> set[wp.Kernel]:
 def compile_modules(kernels: set[wp.Kernel], device: wp.Device) -> None:
     """Load the modules of kernels, each compiled by one thread if the kernel cache lacks it.
 
-    Warp by itself compiles a module at the first launch that needs it, one after the other. Every thread makes a
-    precompiled header of its own, which takes as long as some six modules.
+    Warp by itself compiles a module at the first launch that needs it, one after the other.
 
     Args:
         kernels: Kernels that will be launched, with Warp's usual number of threads per block.
         device: Where they will be launched.
     """
     modules = sorted({kernel.module for kernel in kernels}, key=lambda module: module.name)
-    wp.force_load(device, modules, max_workers=count_cores())
+    wp.force_load(device, modules, max_workers=min(count_cores(), len(modules) // PER_THREAD))
 
 
 def _within(value: object) -> Iterator[wp.Kernel]:
