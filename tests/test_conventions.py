@@ -16,7 +16,7 @@ KERNEL_FILES = sorted((ROOT / "kernels").glob("*.py"))
 HOST_FILES = sorted((ROOT / "warpsph").rglob("*.py"))
 
 KERNEL_LIBRARIES = {"collections", "dataclasses", "enum", "functools", "math", "typing", "warp"}
-ENGINE = {"blocks", "clock", "launch", "neighbours", "particles", "schemes", "tiles"}
+ENGINE = {"blocks", "clock", "compilation", "launch", "neighbours", "particles", "schemes", "tiles"}
 OUTPUT = {"drawing", "plot", "render", "scalars", "storage"}
 TOP = {"cli", "job", "library", "progress", "quality", "run"}
 

@@ -1,5 +1,7 @@
 """The scene builder: what a finished scene holds, and what it refuses."""
 
+import cProfile
+import pstats
 import time
 
 import numpy as np
@@ -11,7 +13,7 @@ from warpsph.errors import InputError
 from warpsph.lattices import Cartesian, CoreAndRings
 from warpsph.overlap import close_pairs
 from warpsph.scene import Scene, spin
-from warpsph.shapes import Box, Disc, HalfSpace, Mesh, Sphere
+from warpsph.shapes import Box, Cone, Cylinder, Disc, HalfSpace, Mesh, Sphere
 
 METAL = materials.Material("metal", 2785.0, materials.LinearElastic(K=79e9), materials.Elastic(G=27.6e9))
 HEAVY = materials.Material("heavy", 7900.0, materials.LinearElastic(K=160e9), materials.Elastic(G=80e9))
@@ -145,6 +147,44 @@ def test_close_pairs_agree_with_all_pairs():
             zip(*map(np.ndarray.tolist, np.nonzero(np.triu(near, 1))), strict=True)
         )
         assert len(set(zip(i, j, strict=True))) == len(i)
+
+
+@pytest.mark.parametrize("dim", [1, 2, 3])
+def test_close_pairs_are_found_however_far_apart_the_others_are(dim):
+    """More cells along every axis than one number for each cell has room for."""
+    far = np.random.default_rng(5).integers(-(2**40), 2**40, (300, dim)).astype(float)
+    x = np.concatenate((far, far + 0.5 / np.sqrt(dim)))
+    i, j = close_pairs(x, 0.6)
+    assert i.tolist() == list(range(300)) and j.tolist() == list(range(300, 600))
+
+
+def calls(build):
+    """How many functions a call calls."""
+    profile = cProfile.Profile()
+    profile.runcall(build)
+    return pstats.Stats(profile).total_calls
+
+
+@pytest.mark.parametrize(
+    "shape, lattice",
+    [
+        (Sphere(1.0) | Box((-1.0, -1.0, -1.0), (1.0, 1.0, 0.0)), "cartesian"),
+        (Cone((0, 0, 0), (1, 1, 1), 1.0) - Cylinder((0, 0, 0), (1, 1, 1), 0.5), "face-centred-cubic"),
+        (Disc(1.0), "core-and-rings"),
+        (Box((0, 0), (1, 2)).rotate("z", 20.0), "hexagonal"),
+    ],
+)
+def test_more_particles_take_no_more_calls(shape, lattice):
+    def build(spacing):
+        s = scene(dim=shape.dim, spacing=spacing)
+        s.add_body("body", shape, METAL, lattice=lattice, velocity=(1.0,) * shape.dim)
+        s.add_symmetry_plane("x", -9.0)
+        s.fix("body", lambda x: x[:, 0] < 0.5)
+        return len(s.finalize().x)
+
+    coarse, fine = build(0.1), build(0.03)  # also loads what is only loaded once
+    assert fine > 8 * coarse
+    assert calls(lambda: build(0.03)) == calls(lambda: build(0.1))
 
 
 def test_a_large_scene_is_checked_quickly():

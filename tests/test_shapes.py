@@ -6,6 +6,7 @@ import pyvista
 
 from warpsph.errors import InputError
 from warpsph.shapes import Box, Cone, Cylinder, Disc, HalfSpace, Mesh, Ring, Sphere
+from warpsph.surfaces import within
 
 RNG = np.random.default_rng(7)
 CLOUD = {
@@ -134,6 +135,20 @@ def test_a_mesh_with_a_cavity_is_hollow():
     inner = pyvista.PolyData.from_regular_faces(inner.points, inner.regular_faces[:, ::-1])
     shell = Mesh(outer.append_polydata(inner))
     assert shell.contains(np.array([[0.0, 0, 0], [0.75, 0, 0], [1.5, 0, 0]])).tolist() == [False, True, False]
+
+
+@pytest.mark.parametrize("mesh", [pyvista.ParametricTorus(), pyvista.Cone(resolution=12), pyvista.Cube()])
+@pytest.mark.parametrize("tolerance", [0.0, 0.1])
+def test_cubes_of_points_are_inside_a_mesh_where_each_point_is(mesh, tolerance):
+    surface = Mesh(mesh).source
+    grid = np.stack(np.meshgrid(*[np.linspace(-1.4, 1.4, 41)] * 3, indexing="ij"), -1).reshape(-1, 3)
+    for points in (grid, CLOUD[3], np.append(grid, [[1e5, 0, 0]], axis=0), np.zeros((5, 3)), grid[:0]):
+        each = (
+            pyvista.PolyData(points).compute_implicit_distance(surface)["implicit_distance"] <= tolerance
+            if len(points)
+            else []
+        )
+        assert np.array_equal(within(surface, points, tolerance), each)
 
 
 def test_points_on_the_faces_of_a_mesh_belong_to_it():

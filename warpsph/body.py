@@ -98,7 +98,7 @@ def initial_velocity(name: str, velocity: Velocity, x: np.ndarray, dim: int) -> 
         array = array[:, None]
     elif array.ndim < 2:
         vector = vector3(checks.vector(what, array, *sorted({dim, 3})))
-        array = np.tile(vector, (len(x), 1))
+        return np.broadcast_to(_in_space(what, vector[None], dim), (len(x), 3)).copy()
     if len(array) != len(x):
         raise InputError(
             f"{what} is given for {len(array)} particles; allowed: one vector, or one for each of {len(x)}"
@@ -113,12 +113,13 @@ def particle_volume(name: str, volume: float | np.ndarray, n: int) -> np.ndarray
         InputError: If it is not one positive number or one for every particle.
     """
     try:
-        value = np.broadcast_to(np.asarray(volume, dtype=np.float64), n)
+        value = np.asarray(volume, dtype=np.float64)
+        each = np.broadcast_to(value, n)
     except (TypeError, ValueError):
-        value = np.zeros(n)
+        value = each = np.zeros(n)
     if not (np.isfinite(value) & (value > 0.0)).all():
         raise checks.refuse(f"volume of body {name!r}", volume, f"a positive number, or {n} of them")
-    return value.copy()
+    return each.copy()
 
 
 def _numbers(what: str, value: object) -> np.ndarray:
@@ -143,8 +144,8 @@ def _in_space(what: str, array: np.ndarray, dim: int) -> np.ndarray:
         raise InputError(f"{what}: shape {array.shape} is not allowed; allowed: (n, {dim}) or (n, 3)")
     full = np.zeros((len(array), 3))
     full[:, : array.shape[1]] = array
-    wrong = np.flatnonzero(~np.isfinite(full).all(axis=1) | full[:, dim:].any(axis=1))
-    if len(wrong):
+    if not np.isfinite(full).all() or full[:, dim:].any():
+        wrong = np.flatnonzero(~np.isfinite(full).all(axis=1) | full[:, dim:].any(axis=1))
         beyond = f" with zeros beyond the {dim}D problem" if dim < 3 else ""
         raise checks.refuse(f"{what}, number {wrong[0]},", array[wrong[0]], f"finite numbers{beyond}")
     return full

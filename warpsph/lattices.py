@@ -56,7 +56,8 @@ class Lattice(ABC):
         if not np.isfinite(bounds[:, :dim]).all():
             raise InputError(f"{shape} is unbounded; allowed: a half-space only to cut a finite shape")
         points = self.points(bounds, spacing, dim)
-        return points[shape.contains(points, ROUND_OFF * spacing)]
+        inside = shape.contains(points, ROUND_OFF * spacing)
+        return points if inside.all() else points[inside]
 
     @abstractmethod
     def points(self, bounds: np.ndarray, spacing: float, dim: int) -> np.ndarray:
@@ -100,7 +101,7 @@ class Cartesian(Lattice):
                 axes.append(
                     (start, first, np.floor((high - start) / spacing + ROUND_OFF) - first + 1, spacing)
                 )
-        return _grid(axes)[0]
+        return _grid(axes).reshape(-1, 3)
 
 
 @dataclass(frozen=True)
@@ -220,8 +221,8 @@ def _centred(low: float, high: float, pitch: float, at: str) -> tuple[float, flo
     return 0.5 * (low + high), -0.5 * (count - 1), count, pitch
 
 
-def _grid(axes: list[tuple[float, float, float, float]]) -> tuple[np.ndarray, np.ndarray]:
-    """Points of a rectangular grid, shape [n, 3], and their index sums, shape [n]; the last axis runs fastest.
+def _grid(axes: list[tuple[float, float, float, float]]) -> np.ndarray:
+    """Points of a rectangular grid [m]: an axis of the array for each of the grid's, and one for the coordinates.
 
     Args:
         axes: Origin, first index, number of points and pitch along every axis; no points if a number is not positive.
@@ -234,18 +235,18 @@ def _grid(axes: list[tuple[float, float, float, float]]) -> tuple[np.ndarray, np
         raise InputError(
             f"spacing = {axes[0][3]:g} is too small: {np.prod(counts):.3g} lattice points; allowed: {MOST_POINTS}"
         )
-    index = np.indices([int(count) for count in counts]).reshape(len(axes), -1)
-    points = np.zeros((index.shape[1], 3))
+    index = np.ogrid[tuple(slice(int(count)) for count in counts)]
+    points = np.zeros((*map(int, counts), 3))
     for axis, (origin, first, _, pitch) in enumerate(axes):
-        points[:, axis] = origin + (first + index[axis]) * pitch
-    return points, index.sum(axis=0)
+        points[..., axis] = origin + (first + index[axis]) * pitch
+    return points
 
 
 def _checkerboard(bounds: np.ndarray, pitches: tuple[float, ...]) -> np.ndarray:
     """Every second point, like the black squares, of the grid of cell centres of a box, shape [n, 3]."""
     axes = [_centred(bounds[0, k], bounds[1, k], pitch, "cells") for k, pitch in enumerate(pitches)]
-    points, index_sum = _grid(axes)
-    return points[index_sum % 2 == 0]
+    points = _grid(axes)
+    return points[sum(np.ogrid[tuple(map(slice, points.shape[:-1]))]) % 2 == 0]
 
 
 def _center_and_radius(bounds: np.ndarray, center: tuple[float, ...] | None) -> tuple[np.ndarray, float]:

@@ -88,7 +88,7 @@ class Launcher:
             InputError: If there is no such device, or ``threads`` is below one.
         """
         self.device = find_device(device)
-        cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        cores = count_cores()
         if threads is not None and threads < 1:
             raise InputError(
                 f"threads = {threads} is out of range; allowed: 1 or more (this machine has {cores})"
@@ -184,6 +184,11 @@ def _components(vectors: wp.array) -> wp.array:
         ptr=vectors.ptr, shape=(vectors.size, element._length_), dtype=element._wp_scalar_type_,
         device=vectors.device, copy=False,
     )  # fmt: skip
+
+
+def count_cores() -> int:
+    """Give the number of CPU cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def find_device(name: str) -> wp.Device:

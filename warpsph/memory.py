@@ -36,6 +36,10 @@ THRIFTY = Policy(lanes=1, divisor=16, spare=2, growth=1.03)
 """On a GPU, where memory bounds the number of particles."""
 
 
+SEARCH = ("neighbours.", "search.", "tiles.", "reference.")
+"""Owners of what belongs to neighbour search and rows."""
+
+
 def policy_of(device: wp.Device) -> Policy:
     """The policy for a device."""
     return THRIFTY if device.is_cuda else GENEROUS
@@ -58,6 +62,11 @@ def usage(solver: "Solver") -> dict[str, int]:
         if hasattr(thing, "grid_bytes"):
             found[f"{owner}.grid"] = thing.grid_bytes
     return dict(sorted(found.items(), key=lambda item: -item[1]))
+
+
+def of_search(found: dict[str, int]) -> int:
+    """Bytes that neighbour search and rows take of what `usage` gives."""
+    return sum(size for name, size in found.items() if name.startswith(SEARCH))
 
 
 def _borrowed(array: wp.array) -> bool:

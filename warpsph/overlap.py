@@ -4,8 +4,7 @@ import itertools
 
 import numpy as np
 
-_HASH = np.array((0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9), dtype=np.uint64)
-"""Odd factors that turn cell indices into one key: linear, so that a neighbouring cell is a fixed step away."""
+_ONE = np.uint64(1)
 
 _SAMPLE = 1000
 """Particles whose nearest neighbour is looked up; a mean over so many is good to a few per cent."""
@@ -14,8 +13,8 @@ _SAMPLE = 1000
 def close_pairs(x: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray]:
     """Find all pairs of points closer than a distance.
 
-    Points are sorted by cells of that size, and each is compared with those of its own cell and of half of the
-    neighbouring ones.
+    Points are sorted by cells of that size, row after row of cells along the last axis. Each is compared with those
+    after it in its own row, and with those of three cells in half of the neighbouring rows.
 
     Args:
         x: Points [m], shape [n, dim].
@@ -24,20 +23,14 @@ def close_pairs(x: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray]
     Returns:
         The indices of the two points of every pair, each of shape [pairs], the lower one first, in rising order.
     """
-    dim = x.shape[1]
-    cell = np.floor((x - x.min(axis=0)) / distance).astype(np.int64).astype(np.uint64)
-    key = (cell * _HASH[:dim]).sum(axis=1, dtype=np.uint64)
-    order = np.argsort(key, kind="stable")
-    key, x = key[order], x[order]
-    found = []
-    for offset in itertools.product((-1, 0, 1), repeat=dim):
-        if offset < (0,) * dim:
-            continue  # the mirrored offset finds these pairs
-        target = key + (np.array(offset).astype(np.uint64) * _HASH[:dim]).sum(dtype=np.uint64)
-        first = np.searchsorted(key, target, "left") if any(offset) else np.arange(len(key)) + 1
-        i, j = _expand(first, np.searchsorted(key, target, "right"))
-        near = np.linalg.norm(x[i] - x[j], axis=1) < distance
-        found.append(order[np.stack((i[near], j[near]))])
+    key, steps = _cells(x, distance)
+    order = np.argsort(key, kind="stable")  # a lattice is sorted as it comes, which is soon seen
+    key = key[order]
+    found = [_near(x, distance, order, *_up_to(key, np.arange(1, len(key) + 1), key + _ONE))]
+    for step in steps:
+        target = key + step
+        first = np.searchsorted(key, target - _ONE)
+        found.append(_near(x, distance, order, *_up_to(key, first, target + _ONE)))
     first, second = np.sort(np.concatenate(found, axis=1), axis=0)
     order = np.lexsort((second, first))
     return first[order], second[order]
@@ -60,8 +53,38 @@ def mean_spacing(x: np.ndarray) -> float:
     return total / len(sample)
 
 
-def _expand(first: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """List every (i, j) with first[i] <= j < last[i]."""
-    count = np.maximum(last - first, 0)
-    i = np.repeat(np.arange(len(first)), count)
-    return i, np.arange(len(i)) - np.repeat(np.cumsum(count) - count, count) + first[i]
+def _cells(x: np.ndarray, distance: float) -> tuple[np.ndarray, list[np.uint64]]:
+    """Number the cells of points, and give the steps from a cell to one in half of the neighbouring rows.
+
+    The cells of a row have numbers on end, and an empty one before and behind. Numbers are modulo 2^64: where there are
+    more cells than that, far rows share theirs, but no row is torn, as its length is a power of two.
+
+    Returns:
+        The number of every point's cell, shape [n], uint64, and the steps.
+    """
+    key, stride, strides = np.ones(len(x), dtype=np.uint64), 1, []
+    for column in x.T[::-1]:
+        low = column.min()
+        key += np.floor((column - low) / distance).astype(np.uint64) * np.uint64(stride % 2**64)
+        strides.insert(0, stride)
+        cells = int((column.max() - low) / distance) + 3
+        stride *= cells if stride > 1 else 1 << cells.bit_length()
+    rows = itertools.product((-1, 0, 1), repeat=x.shape[1] - 1)
+    ahead = (row for row in rows if row > (0,) * len(row))  # the mirrored row finds the same pairs
+    return key, [np.uint64(sum(a * b for a, b in zip(row, strides, strict=False)) % 2**64) for row in ahead]
+
+
+def _up_to(key: np.ndarray, first: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """List every (i, j) with j from ``first[i]`` on and ``key[j]`` up to ``last[i]``, of rising keys."""
+    i = np.flatnonzero((first < len(key)) & (key.take(first, mode="clip") <= last))  # most find none
+    count = np.searchsorted(key, last[i], "right") - first[i]
+    start = np.repeat(first[i] - (np.cumsum(count) - count), count)
+    return np.repeat(i, count), start + np.arange(len(start))
+
+
+def _near(x: np.ndarray, distance: float, order: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
+    """Keep the pairs of places closer than a distance, as the indices of their points, shape [2, pairs]."""
+    i, j = order[i], order[j]
+    squared = sum((column[i] - column[j]) ** 2 for column in x.T)
+    near = np.sqrt(squared) < distance
+    return np.stack((i[near], j[near]))

@@ -4,6 +4,7 @@ import contextlib
 import os
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Iterator
 from types import ModuleType
@@ -108,14 +109,18 @@ class WarpLog:
         """Report a compilation to ``progress``; hand warnings and errors to the logger ``inner``."""
         self._progress, self._inner = progress, inner
         self._told = False
+        self._lock = threading.Lock()  # modules are compiled side by side
 
     def debug(self, message: str) -> None:
         """Say nothing."""
 
     def info(self, message: str) -> None:
         """Tell of the first module that was compiled; Warp reports each one when it is done."""
-        if message.rstrip().endswith("(compiled)") and not self._told:
-            self._told = True
+        if not message.rstrip().endswith("(compiled)"):
+            return
+        with self._lock:
+            told, self._told = self._told, True
+        if not told:
             self._progress.message("compiling kernels (first run only) ...")
 
     def warning(self, message: str, category: type | None = None, stacklevel: int = 1) -> None:

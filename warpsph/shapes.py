@@ -5,6 +5,7 @@ belongs to it), except that a difference does not hold the surface of the cut: `
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,7 +15,7 @@ import numpy as np
 from . import checks
 from .checks import vector3
 from .errors import InputError
-from .surfaces import closed_surface, signed_distance
+from .surfaces import closed_surface, within
 
 if TYPE_CHECKING:
     import pyvista
@@ -143,10 +144,9 @@ class Box(Shape):
 
     def contains(self, points, tolerance=0.0):
         """See `Shape.contains`."""
-        own = (points @ np.array(self.axes).T)[:, : self.dim]
-        return ((own >= np.array(self.low) - tolerance) & (own <= np.array(self.high) + tolerance)).all(
-            axis=1
-        )
+        axes = np.array(self.axes)
+        own = points if np.array_equal(axes, np.eye(3)) else points @ axes.T
+        return _between(own, self.low, self.high, tolerance)
 
     def bounds(self):
         """See `Shape.bounds`."""
@@ -284,7 +284,7 @@ class Cone(Shape):
         start, span = np.array(self.start), np.subtract(self.end, self.start)
         length = np.linalg.norm(span)
         along = (points - start) @ (span / length)
-        across = np.linalg.norm(points - start - along[:, None] * (span / length), axis=1)
+        across = _distance(points - start - along[:, None] * (span / length), (0.0, 0.0, 0.0))
         radius = self.radius + (self.end_radius - self.radius) * np.clip(along / length, 0.0, 1.0)
         return (along >= -tolerance) & (along <= length + tolerance) & (across <= radius + tolerance)
 
@@ -421,8 +421,8 @@ class Mesh(Shape):
     def contains(self, points, tolerance=0.0):
         """See `Shape.contains`."""
         low, high = self.bounds()
-        inside = ((points >= low - tolerance) & (points <= high + tolerance)).all(axis=1)
-        inside[inside] = signed_distance(self.source, points[inside]) <= tolerance
+        inside = _between(points, low, high, tolerance)
+        inside[inside] = within(self.source, points[inside], tolerance)
         return inside
 
     def bounds(self):
@@ -506,9 +506,20 @@ def _check_axis(kind: str, shape: "Cone | Cylinder") -> None:
         raise checks.refuse(f"end of {kind}", shape.end, "a point other than start")
 
 
+def _between(points: np.ndarray, low: Sequence[float], high: Sequence[float], tolerance: float) -> np.ndarray:
+    """Whether points, shape [n, 3], lie between two corners, in as many coordinates as these have, shape [n], bool."""
+    inside = np.ones(len(points), dtype=bool)
+    for x, a, b in zip(points.T, low, high, strict=False):
+        inside &= (x >= a - tolerance) & (x <= b + tolerance)
+    return inside
+
+
 def _distance(points: np.ndarray, center: tuple[float, ...]) -> np.ndarray:
     """Distance of points, shape [n, 3], from a centre in as many coordinates as it has."""
-    return np.linalg.norm(points[:, : len(center)] - np.array(center), axis=1)
+    squared = np.zeros(len(points))
+    for x, c in zip(points.T, center, strict=False):
+        squared += (x - c) ** 2
+    return np.sqrt(squared)
 
 
 def _around(center: tuple[float, ...], radius: float) -> np.ndarray:

@@ -9,11 +9,13 @@ import warp as wp
 
 from .blocks import Blocks
 from .clock import Clock, Reading
+from .compilation import compile_modules, kernels_of
 from .contact import contact_constants
 from .errors import InputError, RunError
 from .kernels.deformation import SMALLEST_J
 from .kernels.kernel_type import ERODED, EULERIAN, LAGRANGIAN
 from .kernels.ledger import MAXIMA, SUMS
+from .kernels.sort import make_sort
 from .kernels.spec import Spec
 from .kernels.timestep import (
     ACCELERATION_CFL,
@@ -145,6 +147,7 @@ class Solver:
 
     def _initialise(self) -> None:
         """Make the dependent fields agree with the scene; the first step then starts from a whole state."""
+        compile_modules(self._kernels(), self.launcher.device)
         if "switch" in self._scheme.groups:
             self.particles.av_switch.fill_(self._scheme.first_switch)
         self.neighbours.build()
@@ -152,6 +155,14 @@ class Solver:
             self.reference.build()
         self._run_still(self._scheme.settle(self._bind) + self._scheme.derive(self._bind))
         self._run_still(self._scheme.probe(self._bind))
+
+    def _kernels(self) -> set[wp.Kernel]:
+        """The kernels of this run, launched or of one module with those that are."""
+        found = kernels_of(self, self._scheme, self.neighbours) | set(make_sort(self._spec).values())
+        if self.reference is not None:
+            found |= kernels_of(self.reference)
+        tiles = kernels_of(self.neighbours.tiles)
+        return found | tiles if self._scheme.searching else found - tiles
 
     def _run_still(self, commands: list[Command]) -> None:
         """Run launches outside of a step, with the velocity gradient as it is (zero at the start)."""

@@ -14,6 +14,15 @@ from .errors import InputError
 if TYPE_CHECKING:
     import pyvista
 
+CUBES = tuple(2**k for k in range(4, 18))
+"""Cubes along the longest side of a cloud of points, from the first division in cubes to the last."""
+
+FEW = 4
+"""Points to a cube, on average, below which they are asked one by one."""
+
+HALF_DIAGONAL = 0.87
+"""Farthest point of a cube from its centre, in sides, and a little more: sqrt(3)/2."""
+
 
 def closed_surface(source: "str | Path | pyvista.PolyData") -> "pyvista.PolyData":
     """Give the closed, outward-oriented triangle surface of a mesh file or a PyVista mesh.
@@ -31,7 +40,37 @@ def closed_surface(source: "str | Path | pyvista.PolyData") -> "pyvista.PolyData
     return _outward(surface)
 
 
-def signed_distance(surface: "pyvista.PolyData", points: np.ndarray) -> np.ndarray:
+def within(surface: "pyvista.PolyData", points: np.ndarray, tolerance: float) -> np.ndarray:
+    """Tell which points [m], shape [n, 3], are inside of a closed surface or no further than ``tolerance`` [m] from it.
+
+    A distance takes long to find, so points are gathered in cubes first: those of a cube that the surface does not reach,
+    as its centre knows, are all inside or all outside. What is left goes into cubes of half the size, and so on.
+
+    Returns:
+        A mask, shape [n].
+    """
+    inside, left = np.zeros(len(points), dtype=bool), np.arange(len(points))
+    if len(points) == 0:
+        return inside
+    low = points.min(axis=0)
+    extent = float(np.ptp(points, axis=0).max()) or 1.0
+    for cubes in CUBES:
+        number, size = np.zeros(len(left), dtype=np.int64), extent / cubes
+        for k in range(3):
+            number = number * (cubes + 1) + ((points[left, k] - low[k]) / size).astype(np.int64)
+        number, cube = np.unique(number, return_inverse=True)
+        if len(number) * FEW > len(left):
+            break
+        index = np.stack(np.unravel_index(number, (cubes + 1,) * 3), axis=1)
+        distance = _signed_distance(surface, low + (index + 0.5) * size)
+        near = (np.abs(distance) <= HALF_DIAGONAL * size + tolerance)[cube]
+        inside[left[~near]] = (distance < 0.0)[cube[~near]]
+        left = left[near]
+    inside[left] = _signed_distance(surface, points[left]) <= tolerance
+    return inside
+
+
+def _signed_distance(surface: "pyvista.PolyData", points: np.ndarray) -> np.ndarray:
     """Distance of points [m], shape [n, 3], from a closed surface, negative inside, shape [n]."""
     import pyvista
 

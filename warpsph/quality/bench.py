@@ -11,6 +11,7 @@ from typing import Any
 
 import warp as wp
 
+from warpsph import library
 from warpsph.errors import InputError, RunError
 from warpsph.info import table
 from warpsph.launch import Launcher, find_device
@@ -75,12 +76,14 @@ def bench(
         record["trials"].append(done)
         _write(json, record)
     if not cases and time.monotonic() < end:
-        say(f"starting {startup.SCENE} with an empty cache of kernels, and again ...")
-        try:
-            record["startup"] = startup.measure(device)
-        except RunError as error:
-            say(str(error))
-        _write(json, record)
+        record["startup"] = {}
+        for scene in library.names():
+            say(f"starting {scene} with an empty cache of kernels, and again ...")
+            try:
+                record["startup"][scene] = startup.measure(scene, device)
+            except RunError as error:
+                say(str(error))
+            _write(json, record)
     root = report.checkout()
     if root is not None:
         try:

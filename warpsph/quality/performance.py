@@ -121,10 +121,9 @@ def tables(record: dict[str, Any]) -> list[Table]:
         ("Kernels", KERNEL_HEADER, [row for trial in good for row in _kernels(trial)]),
     ]  # fmt: skip
     if "startup" in record:
-        header = ("cache of kernels", "s to the first step", "of these imports", "scene", "first step")
-        parts = ("total_s", "import_s", "scene_s", "first_step_s")
-        rows = [[when, *(f"{s[part]:.3g}" for part in parts)] for when, s in record["startup"].items()]
-        found.insert(1, ("Start of hvi_2d", header, rows))
+        header = ("scene", "s to the first step, cold cache of kernels", "warm")
+        rows = [[name, f"{s['cold']:.3g}", f"{s['warm']:.3g}"] for name, s in record["startup"].items()]
+        found.insert(1, ("Start of a run", header, rows))
     failed = [
         [t["case"], f"{t['particles']:,}", t["precision"], t["failed"]]
         for t in record["trials"]

@@ -13,7 +13,7 @@ from warpsph.errors import RunError
 from . import report
 from .ptxas import Usage
 
-NEIGHBOUR_ROWS = {"neigh", "near", "neigh0"}
+NEIGHBOUR_ROWS = {"neigh", "neigh0"}
 """Arguments that tell a pair loop: the neighbour rows."""
 
 REGISTERS, WARPS, BLOCKS, PARTITIONS = 65536, 64, 32, 4

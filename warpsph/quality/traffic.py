@@ -2,7 +2,8 @@
 
 Bytes are those that a loop asks for. Neighbours are shared between particles, so that most of them come from a cache:
 a loop that asks for more than the memory delivers is not a mistake. Arithmetic is counted by hand in the kernels, each
-addition, multiplication, division, root and comparison as one; half of the pairs approach each other.
+addition, multiplication, division, root and comparison as one; in `momentum_lagrangian`, which asks, half of the pairs
+approach each other.
 """
 
 from collections import Counter
@@ -61,18 +62,18 @@ class PairLoop:
 
 
 LOOPS = {
-    # x v sig, m rho vol cs, slope and near left behind
-    "momentum": PairLoop(5, 2, 1, 0, 2, (21, 12, 4)),
-    # x v, vol slope
-    "velocity_gradient": PairLoop(2, 2, 0, 0, 1, (0, 4, 2)),
+    # x v sig, m rho vol cs
+    "momentum": PairLoop(4, 2, 1, 0, 1, (30, 13, 4)),
+    # x v, vol
+    "velocity_gradient": PairLoop(1, 2, 0, 0, 1, (14, 6, 2)),
     # X v, slope0
     "rate": PairLoop(1, 2, 0, 0, 1, (0, 3, 2), lagrangian=True),
     # X v x, P, slope0; of half of the pairs cof, cs rho
     "momentum_lagrangian": PairLoop(2, 3, 0, 1.5, 1, (9, 9.5, 4), lagrangian=True),
-    # x v tau, vol p rho, slope and near left behind
-    "deviatoric": PairLoop(4, 2, 1, 0, 2, (18, 12, 3)),
-    # x v_start grad_p grad_rho dvdx, p rho cs cl vol A_shock slope, mat
-    "hydrodynamic": PairLoop(7, 4, 0, 1, 2, (95, 18, 4)),
+    # x v tau, vol p rho
+    "deviatoric": PairLoop(3, 2, 1, 0, 1, (18, 12, 3)),
+    # x v_start grad_p grad_rho dvdx, p rho cs cl vol A_shock, mat
+    "hydrodynamic": PairLoop(6, 4, 0, 1, 2, (109, 20, 4)),
     # x v sig, rho cs cl vol A_shock, mat
     "pair_fluxes": PairLoop(5, 2, 1, 0, 2, (50, 34, 6)),
     # x and vol, twice
