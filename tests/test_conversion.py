@@ -265,12 +265,15 @@ def test_which_rows_are_kept_changes_nothing():
 
 def test_a_particle_that_turns_over_converts_with_its_neighbours():
     """If asked to: J would fall below its floor in the next step."""
-    solver = block(inverted="convert")
+    made = scene(2, scheme="adaptle", inverted="convert")
+    made.add_body("block", jittered(2, 9, 0.0), ELASTIC)
+    made.fix("block")
+    solver = Solver(made.finalize())
     i, v = middle(solver), np.zeros((solver.particles.n, 3))
     F = by_id(solver, "F")
     F[i] = np.diag([0.0101, 1.0, 1.0])
     v[:, 0] = -1e-3 / 1e-9 * (solver.data.x[:, 0] - solver.data.x[i, 0])
-    overwrite(solver, F=F, v=v, fixed=np.full(len(v), 7))
+    overwrite(solver, F=F, v=v)
     solver.advance(1e-10)
     assert converted(solver) == within(solver, i, 2.0 * solver.data.h)
     tally = solver.tally()
