@@ -29,6 +29,7 @@ from .materials import pack
 from .neighbours import Neighbours
 from .particles import Particles
 from .penetration import interpenetration
+from .program import Program
 from .reference import Reference
 from .scene import SceneData
 from .schemes.factory import make_scheme
@@ -49,6 +50,7 @@ class Solver:
         launcher: The device and its threads.
         particles: The state.
         neighbours: The neighbour rows.
+        program: The launches of a step.
         reading: The clock at the last reading.
     """
 
@@ -84,7 +86,7 @@ class Solver:
         self._constants = SimpleNamespace(h=h, spacing=data.spacing, cfl=data.numerics.cfl)
         self._work = self._allocate_work()
         self._ledger = make_ledger(self._spec)
-        self._program: list[Command] = []
+        self.program = Program(self.launcher)
         self._planning: list[Command] = []
         self._bound = -1
         self._initialise()
@@ -189,7 +191,7 @@ class Solver:
         """Bind the launches of a step again if neighbour rows have moved in memory."""
         if self._bound != self.neighbours.generation:
             self._planning = self._scheme.plan(self._bind, self._blocks.count, self.neighbours.tiles.most)
-            self._program = self._scheme.step(self._bind) + self._planning
+            self.program.bind(self._scheme.step(self._bind) + self._planning)
             self._bound = self.neighbours.generation
 
     def _plan(self) -> Reading:
@@ -202,9 +204,7 @@ class Solver:
 
     def _run_steps(self, count: int) -> None:
         self._bind_step()
-        for _ in range(count):
-            for command in self._program:
-                command()
+        self.program.run(count)
 
     def _predict(self, before: Reading, now: Reading) -> int:
         """Steps until the skin is used up, judged by the last batch: a wrong guess costs idle steps, nothing else."""
