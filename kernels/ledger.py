@@ -57,6 +57,8 @@ def make_ledger(s: Spec) -> wp.Kernel:
         e_parts: wp.array[Powers],
         n: wp.int32,
         chunk: wp.int32,
+        along: wp.int32,
+        across: wp.int32,
         # out:
         partial: wp.array2d[d],
     ):
@@ -67,7 +69,7 @@ def make_ledger(s: Spec) -> wp.Kernel:
         parts = Parts()
         top = vec6(lowest, lowest, lowest, lowest, lowest, lowest)
         for k in range(chunk):
-            i = b * chunk + k
+            i = b * across + k * along
             if i < n:
                 mi, vi = d(m[i]), wide(v[i])
                 kinetic += half * mi * wp.dot(vi, vi)

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 import warp as wp
-from tools import collision
+from tools import by_id, collision, run
 
+from warpsph.blocks import FOLDS, Blocks
 from warpsph.program import Program
 from warpsph.solver import Solver
 
@@ -75,3 +76,27 @@ def test_the_first_run_after_binding_is_no_replay():
     program.bind([Command()])
     program.run(1)
     assert runs == [False, True]  # one execution, one recording
+
+
+@pytest.mark.parametrize("scheme", ["sav1", "adaptle-as"])
+def test_dealt_out_as_on_a_gpu_the_step_is_the_same(monkeypatch, scheme):
+    """Minima and maxima know no order: the reductions that a GPU needs, in stages, give the same bits."""
+    here = run(collision(3, scheme=scheme), 2e-6)
+    monkeypatch.setattr("warpsph.solver.Blocks", lambda n, cuda, most=None: Blocks(n, True, 300))
+    monkeypatch.setattr("warpsph.tiles.LANES_CPU", 5)
+    dealt = run(collision(3, scheme=scheme), 2e-6)
+    assert dealt._lanes.folds == FOLDS and dealt.neighbours.tiles.lanes == 5
+    assert dealt.reading == here.reading
+    np.testing.assert_array_equal(by_id(dealt, "x"), by_id(here, "x"))
+    for name, value in here.ledger().items():
+        assert dealt.ledger()[name] == pytest.approx(value, rel=1e-12, abs=1e-12), name
+
+
+@pytest.mark.parametrize("cuda", [False, True])
+@pytest.mark.parametrize(("n", "most"), [(1, 4), (3, 4), (4, 4), (5, 4), (1000, 33), (70000, None)])
+def test_every_particle_is_dealt_to_one_block(n, most, cuda):
+    dealt = Blocks(n, cuda, most)
+    b, k = np.meshgrid(np.arange(dealt.count), np.arange(dealt.chunk), indexing="ij")
+    i = b * dealt.across + k * dealt.along
+    np.testing.assert_array_equal(np.sort(i[i < n]), np.arange(n))
+    assert (i < n).any(axis=1).all()  # no block is empty

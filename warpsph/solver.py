@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import warp as wp
 
-from .blocks import Blocks
+from .blocks import CUDA_LANES, Blocks
 from .clock import Clock, Reading
 from .contact import contact_constants
 from .errors import InputError, RunError
@@ -70,8 +70,9 @@ class Solver:
         h = data.h
         self._scheme = make_scheme(data, self._spec)
         self.particles = Particles(data, self._spec, self.launcher, self._scheme.groups)
-        self._blocks = Blocks(self.particles.n, self.launcher.device.is_cuda)
-        self._clock = Clock(self._spec, self.launcher, self._blocks)
+        n, cuda = self.particles.n, self.launcher.device.is_cuda
+        self._blocks, self._lanes = Blocks(n, cuda), Blocks(n, cuda, CUDA_LANES if cuda else None)
+        self._clock = Clock(self._spec, self.launcher, self._lanes)
         self.neighbours = Neighbours(
             self.particles,
             self.launcher,
@@ -190,7 +191,7 @@ class Solver:
     def _bind_step(self) -> None:
         """Bind the launches of a step again if neighbour rows have moved in memory."""
         if self._bound != self.neighbours.generation:
-            self._planning = self._scheme.plan(self._bind, self._blocks.count, self.neighbours.tiles.most)
+            self._planning = self._scheme.plan(self._bind, self._lanes, self.neighbours.tiles)
             self.program.bind(self._scheme.step(self._bind) + self._planning)
             self._bound = self.neighbours.generation
 
