@@ -260,22 +260,24 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
         support: real,
         radius: real,
         wearing_role: wp.int32,
+        lanes: wp.int32,
         # out:
         tile_wear: wp.array[real],
     ):
         """Largest share of the allowed approach that a tile has used up against any tile [-]; 1 wears the rows out.
 
-        With Lagrangian particles two tiles of one body count from ``wearing_role`` of one of them on.
+        Each of the tile's ``lanes`` has a value of its own, against every so many tiles. With Lagrangian particles two tiles of one body count from ``wearing_role`` of one of them on.
         """
-        t = wp.tid() + offset
+        lane = wp.tid() + offset
+        t = lane // lanes
         if t >= n_tiles[0]:
-            tile_wear[t] = real(0.0)
+            tile_wear[lane] = real(0.0)
             return
         low, high = moved_low[t], moved_high[t]
         at, to = box_low[t], box_high[t]
         skin2 = (radius - support) * (radius - support)
         worst = real(0.0)
-        for u in range(n_tiles[0]):
+        for u in range(lane % lanes, n_tiles[0], lanes):
             if wp.static(selective):
                 if wp.max(tile_role[t], tile_role[u]) < wearing_role and not strangers(
                     body_first[t], body_last[t], body_first[u], body_last[u]
@@ -287,6 +289,6 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
                 gap = wp.max(wp.max(box_low[u] - to, at - box_high[u]), vec())
                 apart = wp.max(radius, wp.length(gap)) - support
                 worst = wp.max(worst, n2 / (apart * apart))
-        tile_wear[t] = wp.sqrt(worst)
+        tile_wear[lane] = wp.sqrt(worst)
 
     return TileKernels(keys, heads, starts, boxes, contents, roles, motion, extents, wear)

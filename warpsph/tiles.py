@@ -13,8 +13,8 @@ MOST_CPU, MOST_CUDA = 512, 4096
 """Tiles at most: every step compares each with each. Where there are more, tiles grow. A GPU needs them as threads."""
 
 
-LANES_CPU, LANES_CUDA = 1, 32
-"""Threads that share the particles of a tile when their motion is followed: on a GPU they read side by side."""
+LANES_CPU, LANES_CUDA = 1, 8
+"""Threads that share the particles of a tile, and its comparison with the others, in every step."""
 
 
 class Tiles:
@@ -22,7 +22,7 @@ class Tiles:
 
     Attributes:
         most: Tiles at most.
-        lanes: Threads that share the particles of a tile.
+        lanes: Threads that share a tile in every step.
         member: Particle indices tile by tile, shape [2 n] (the second half is work space of the sort).
         tile_start: First place of a tile in ``member``, shape [n + 1].
         n_tiles: Number of tiles, shape [1].
@@ -32,7 +32,7 @@ class Tiles:
         moved_high: Upper bounds of the displacements since then [m].
         lane_low: The same of each lane's particles, shape [most * lanes, 3]; 1 long with one lane, as the next one.
         lane_high: The same.
-        tile_wear: Share of the allowed approach used up; see `kernels.tiles`.
+        tile_wear: Share of the allowed approach used up, shape [most * lanes]; see `kernels.tiles`.
         active: 1: the tile may have Eulerian particles (with Lagrangian ones elsewhere; else 1 long, as the next three).
         body_first: Lowest body in the tile.
         body_last: Highest body in the tile.
@@ -62,7 +62,7 @@ class Tiles:
             shared = self.most * self.lanes if self.lanes > 1 else 1
             self.lane_low = wp.zeros(shared, dtype=spec.vec)
             self.lane_high = wp.zeros(shared, dtype=spec.vec)
-            self.tile_wear = wp.zeros(self.most, dtype=spec.real)
+            self.tile_wear = wp.zeros(self.most * self.lanes, dtype=spec.real)
             told = self.most if selective else 1
             self.active = wp.zeros(told, dtype=wp.int32)
             self.body_first = wp.zeros(told, dtype=wp.int32)

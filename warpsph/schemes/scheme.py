@@ -134,11 +134,12 @@ class Scheme(ABC):
 
     def _worn(self, bind: Bind, tiles: Tiles) -> list[Command]:
         """Whether the neighbour rows still hold every pair."""
-        k, wear = self._tiles, bind(self._tiles.wear, tiles.most)
+        k, threads = self._tiles, tiles.most * tiles.lanes
+        wear = bind(k.wear, threads)
         if tiles.lanes == 1:
-            return [bind(k.motion, tiles.most), wear]
+            return [bind(k.motion, threads), wear]
         parts = {"moved_low": "lane_low", "moved_high": "lane_high"}
-        return [bind(k.motion, tiles.most * tiles.lanes, **parts), bind(k.extents, tiles.most), wear]
+        return [bind(k.motion, threads, **parts), bind(k.extents, tiles.most), wear]
 
     @abstractmethod
     def step(self, bind: Bind) -> list[Command]:
