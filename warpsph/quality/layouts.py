@@ -309,12 +309,15 @@ DISTINCT = 0.3
 """Share of what a warp gathers that is distinct: 32 particles in a row of cells have about 540 different neighbours, and
 look 1800 times. The first-level cache is assumed to catch the rest."""
 
-LINES = {"rows": 8.0, "columns": 8.0, "cells": 2.0, "grid": 3.0}
-"""Cache lines that a warp's 32 gathers of one quantity touch: neighbours of neighbours in memory are near each other;
-the threads of a cell go through the same candidates."""
+LINE = 128.0
+"""Bytes of a cache line."""
 
-LIST_LINES = {"rows": 32.0, "columns": 1.0, "cells": 0.0, "grid": 8.0}
-"""The same of the entries themselves."""
+CLUSTERS, SPREAD = 2.3, {"rows": 20.0, "columns": 20.0, "cells": 1.0, "grid": 1.0}
+"""A warp's 32 particles lie in so many cells; those of one cell look at neighbours that lie within so many places in
+memory of each other, or all at the same candidate."""
+
+LIST_LINES = {"rows": 32.0, "columns": 1.0, "cells": 0.0, "grid": 2.3}
+"""Cache lines that a warp touches for the entries themselves: a row each, or all in one line."""
 
 LOOK, COMPUTE = {"rows": 25.0, "columns": 25.0, "cells": 22.0, "grid": 45.0}, 160.0
 """Instructions for a candidate, and for the force of a pair. A warp computes where any of its threads has a pair: for
@@ -322,6 +325,14 @@ every candidate of a row; of cells for every third."""
 
 COMPUTED = {"rows": 1.0, "columns": 1.0, "cells": 0.35, "grid": 0.35}
 """Share of the candidates for which a warp computes."""
+
+
+def lines(numbers: int, size: int, lists: str) -> float:
+    """Cache lines that a warp touches to gather a quantity of so many numbers, which are stored side by side.
+
+    It takes a load for each of them, and each goes to as many lines as all of it lies in: costs grow with the square.
+    """
+    return numbers * min(CLUSTERS * (1.0 + SPREAD[lists] * numbers * size / LINE), GROUP)
 
 
 def predict(trial: Trial, counts: Counts, machine: Machine = H100) -> dict:
@@ -337,14 +348,14 @@ def predict(trial: Trial, counts: Counts, machine: Machine = H100) -> dict:
     gathered = 3 * place * counts.candidates + values * size * counts.pairs
     lists = entry * counts.candidates * listed
     own = 3 * place + values * size + 4 * size + 8 * listed
-    wide_lines = 1.0 if size == 4 else 2.0
-    per_warp = (3 * counts.candidates + values * counts.pairs) * LINES[layout.lists] * wide_lines
-    per_warp += counts.candidates * LIST_LINES[layout.lists] * entry / 4
+    gathers = counts.candidates * lines(3, place, layout.lists)
+    gathers += counts.pairs * sum(lines(k, size, layout.lists) for k in (3, 1, 1, 1, 1, layout.stress))
+    entries = counts.candidates * LIST_LINES[layout.lists] * max(entry / 4, 1.0 / LIST_LINES["rows"])
     work = counts.candidates * (LOOK[layout.lists] + COMPUTE * COMPUTED[layout.lists])
     seconds = {
         "memory": (own + lists) / machine.hbm,
         "second-level cache": (own + lists + DISTINCT * gathered) / machine.l2,
-        "first-level cache": per_warp / 32.0 / machine.lines,
+        "first-level cache": (gathers + entries) / GROUP / machine.lines,
         "instructions": work / dict(machine.issue)[trial.precision],
     }
     limit = max(seconds, key=seconds.get)
