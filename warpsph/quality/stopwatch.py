@@ -22,7 +22,7 @@ def kernel_times(solver: Solver, work: Callable[[], None]) -> dict[str, float]:
     Returns:
         Wall time [s] by kernel, longest first, with `ROWS` and `REST`; on CUDA the driver's kernel times instead.
     """
-    spent = _driver_times(solver, work) if solver.launcher.device.is_cuda else _host_times(solver, work)
+    spent = _driver_times(work) if solver.launcher.device.is_cuda else _host_times(solver, work)
     return dict(sorted(spent.items(), key=lambda item: -item[1]))
 
 
@@ -56,16 +56,14 @@ def _host_times(solver: Solver, work: Callable[[], None]) -> dict[str, float]:
     return spent
 
 
-def _driver_times(solver: Solver, work: Callable[[], None]) -> dict[str, float]:
-    """Sum the driver's times by kernel: launched one by one, as a replayed graph has one time for all."""
+def _driver_times(work: Callable[[], None]) -> dict[str, float]:
+    """Sum the driver's times by kernel."""
     spent: dict[str, float] = defaultdict(float)
-    replayed, solver.program.captured = solver.program.captured, False
     wp.timing_begin(cuda_filter=wp.TIMING_ALL)
     try:
         work()
     finally:
         results = wp.timing_end()
-        solver.program.captured = replayed
     for result in results:
         spent[short_name(result.name)] += 1e-3 * result.elapsed
     return spent
