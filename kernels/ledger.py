@@ -65,6 +65,8 @@ def make_ledger(s: Spec, parts: Parts = (), constrained: bool = True) -> wp.Kern
         e_parts: wp.array[Powers],
         n: wp.int32,
         chunk: wp.int32,
+        along: wp.int32,
+        across: wp.int32,
         # out:
         partial: wp.array2d[d],
     ):
@@ -75,7 +77,7 @@ def make_ledger(s: Spec, parts: Parts = (), constrained: bool = True) -> wp.Kern
         booked = Booked()
         top = vec6(lowest, lowest, lowest, lowest, lowest, lowest)
         for k in range(chunk):
-            i = b * chunk + k
+            i = b * across + k * along
             if i < n:
                 mi, vi = d(m[i]), wide(v[i])
                 kinetic += half * mi * wp.dot(vi, vi)

@@ -25,6 +25,7 @@ class TileKernels(NamedTuple):
     contents: wp.Kernel
     roles: wp.Kernel
     motion: wp.Kernel
+    extents: wp.Kernel
     wear: wp.Kernel
 
 
@@ -208,16 +209,18 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
         member: wp.array[wp.int32],
         n_tiles: wp.array[wp.int32],
         plane_mask: wp.int32,
+        lanes: wp.int32,
         # out:
         moved_low: wp.array[vec],
         moved_high: wp.array[vec],
     ):
-        """Bounding box of the displacements of a tile's particles since the rows were built [m]."""
-        t = wp.tid() + offset
+        """Bounding box of the displacements of a tile's particles since the rows were built [m], ``lanes`` to a tile."""
+        lane = wp.tid() + offset
+        t = lane // lanes
         if t >= n_tiles[0]:
             return
         low, high = vec(real(1.0e30)), vec(real(-1.0e30))
-        for k in range(tile_start[t], tile_start[t + 1]):
+        for k in range(tile_start[t] + lane % lanes, tile_start[t + 1], lanes):
             i = member[k]
             moved = vec(x[i] - x_listed[i])
             low, high = wp.min(low, moved), wp.max(high, moved)
@@ -226,6 +229,28 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
                 widest = wp.max(-low[c], high[c])
                 low[c] = -widest
                 high[c] = widest
+        moved_low[lane] = low
+        moved_high[lane] = high
+
+    @wp.kernel(module=module)
+    def extents(
+        offset: wp.int32,
+        # in:
+        lane_low: wp.array[vec],
+        lane_high: wp.array[vec],
+        n_tiles: wp.array[wp.int32],
+        lanes: wp.int32,
+        # out:
+        moved_low: wp.array[vec],
+        moved_high: wp.array[vec],
+    ):
+        """Bounding box of a tile's displacements from those of its lanes [m]."""
+        t = wp.tid() + offset
+        if t >= n_tiles[0]:
+            return
+        low, high = vec(lane_low[t * lanes]), vec(lane_high[t * lanes])
+        for k in range(t * lanes + 1, (t + 1) * lanes):
+            low, high = wp.min(low, lane_low[k]), wp.max(high, lane_high[k])
         moved_low[t] = low
         moved_high[t] = high
 
@@ -244,22 +269,24 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
         support: real,
         radius: real,
         wearing_role: wp.int32,
+        lanes: wp.int32,
         # out:
         tile_wear: wp.array[real],
     ):
         """Largest share of the allowed approach that a tile has used up against any tile [-]; 1 wears the rows out.
 
-        With Lagrangian particles two tiles of one body count from ``wearing_role`` of one of them on.
+        Each of the tile's ``lanes`` has a value of its own, against every so many tiles. With Lagrangian particles two tiles of one body count from ``wearing_role`` of one of them on.
         """
-        t = wp.tid() + offset
+        lane = wp.tid() + offset
+        t = lane // lanes
         if t >= n_tiles[0]:
-            tile_wear[t] = real(0.0)
+            tile_wear[lane] = real(0.0)
             return
         low, high = moved_low[t], moved_high[t]
         at, to = box_low[t], box_high[t]
         skin2 = (radius - support) * (radius - support)
         worst = real(0.0)
-        for u in range(n_tiles[0]):
+        for u in range(lane % lanes, n_tiles[0], lanes):
             if wp.static(selective):
                 if wp.max(tile_role[t], tile_role[u]) < wearing_role and not strangers(
                     body_first[t], body_last[t], body_first[u], body_last[u]
@@ -271,6 +298,6 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
                 gap = between(at, to, box_low[u], box_high[u])
                 apart = wp.max(radius, wp.length(gap)) - support
                 worst = wp.max(worst, n2 / (apart * apart))
-        tile_wear[t] = wp.sqrt(worst)
+        tile_wear[lane] = wp.sqrt(worst)
 
-    return TileKernels(keys, heads, starts, boxes, contents, roles, motion, wear)
+    return TileKernels(keys, heads, starts, boxes, contents, roles, motion, extents, wear)

@@ -29,6 +29,7 @@ class TimestepKernels(NamedTuple):
     """Kernels of this file."""
 
     local: wp.Kernel
+    fold: wp.Kernel
     decide: wp.Kernel
 
 
@@ -85,6 +86,8 @@ def make_timestep(
         viscosity_beta: real,
         n: wp.int32,
         chunk: wp.int32,
+        along: wp.int32,
+        across: wp.int32,
         # out:
         block_dt: wp.array[real],
     ):
@@ -92,7 +95,7 @@ def make_timestep(
         b = wp.tid() + offset
         dt_b = real(1.0e30)
         for k in range(chunk):
-            i = b * chunk + k
+            i = b * across + k * along
             if i < n:
                 signal = viscosity_alpha * cs[i] + viscosity_beta * mu[i]
                 if wp.static(switched):
@@ -108,12 +111,31 @@ def make_timestep(
         block_dt[b] = dt_b
 
     @wp.kernel(module=module)
+    def fold(
+        offset: wp.int32,
+        # in:
+        block_dt: wp.array[real],
+        tile_wear: wp.array[real],
+        # out:
+        folded_dt: wp.array[real],
+        folded_wear: wp.array[real],
+    ):
+        """Minima of block_dt [s] and maxima of tile_wear [-], so few that one thread can go through them."""
+        b = wp.tid() + offset
+        smallest, worn = real(1.0e30), real(0.0)
+        for k in range(b, block_dt.shape[0], folded_dt.shape[0]):
+            smallest = wp.min(smallest, block_dt[k])
+        for t in range(b, tile_wear.shape[0], folded_wear.shape[0]):
+            worn = wp.max(worn, tile_wear[t])
+        folded_dt[b] = smallest
+        folded_wear[b] = worn
+
+    @wp.kernel(module=module)
     def decide(
         offset: wp.int32,
         # in:
         block_dt: wp.array[real],
         tile_wear: wp.array[real],
-        n_tiles: wp.array[wp.int32],
         unlisted: wp.array[wp.int32],
         turned: wp.array[wp.int32],
         # out:
@@ -129,7 +151,7 @@ def make_timestep(
         smallest, worn = real(1.0e30), real(0.0)
         for k in range(offset, block_dt.shape[0]):
             smallest = wp.min(smallest, block_dt[k])
-        for t in range(n_tiles[0]):
+        for t in range(tile_wear.shape[0]):
             worn = wp.max(worn, tile_wear[t])
         if dt[0] > zero:
             taken = clock[2]
@@ -165,4 +187,4 @@ def make_timestep(
             clock[2] = step
             dt[0] = real(step)
 
-    return TimestepKernels(local, decide)
+    return TimestepKernels(local, fold, decide)

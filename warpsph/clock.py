@@ -34,6 +34,8 @@ class Clock:
         clock: time, t_stop, dt, smallest, largest and first dt [s], wear of the skin, float64.
         count: Status and number of steps, int32.
         block_dt: Partial minima of dt [s].
+        folded_dt: Minima of those, few enough for one thread; 1 long where the blocks are, as the next one.
+        folded_wear: Largest wear of the tiles, as many.
     """
 
     def __init__(self, spec: Spec, launcher: Launcher, blocks: Blocks):
@@ -42,6 +44,8 @@ class Clock:
             self.clock = wp.array([0.0, 0.0, 0.0, np.inf, 0.0, 0.0, 0.0], dtype=wp.float64)
             self.count = wp.zeros(2, dtype=wp.int32)
             self.block_dt = wp.zeros(blocks.count, dtype=spec.real)
+            self.folded_dt = wp.zeros(max(blocks.folds, 1), dtype=spec.real)
+            self.folded_wear = wp.zeros(max(blocks.folds, 1), dtype=spec.real)
 
     def read(self) -> Reading:
         """Read the clock: the one synchronisation of a batch of steps."""

@@ -55,15 +55,16 @@ class Pieces:
 class Command:
     """A launch with its arguments bound: call it as often as you like."""
 
-    def __init__(self, launcher: "Launcher", kernel: wp.Kernel, dim: int, args: list, grain: int):
+    def __init__(
+        self, launcher: "Launcher", kernel: wp.Kernel, dim: int, args: list, grain: int, block: int | None
+    ):
         self._launcher = launcher
+        options = {"device": launcher.device, "block_dim": block, "record_cmd": True}
         self._slices = []
         lengths = [arg.length for arg in args if isinstance(arg, Pieces)]
         for first, size in launcher.slices(dim, grain, min(lengths, default=dim)):
             given = [arg.serving(first) if isinstance(arg, Pieces) else arg for arg in args]
-            self._slices.append(
-                wp.launch(kernel, size, [first, *given], device=launcher.device, record_cmd=True)
-            )
+            self._slices.append(wp.launch(kernel, size, [first, *given], **options))
 
     def __call__(self) -> None:
         """Run it; returns when the work is done (CPU) or queued (CUDA)."""
@@ -122,7 +123,13 @@ class Launcher:
             helper.result()
 
     def bind(
-        self, kernel: wp.Kernel, dim: int, *sources: object, grain: int = SMALLEST_SLICE, **named: object
+        self,
+        kernel: wp.Kernel,
+        dim: int,
+        *sources: object,
+        grain: int = SMALLEST_SLICE,
+        block: int | None = None,
+        **named: object,
     ) -> Command:
         """Bind a launch, taking each argument by its name.
 
@@ -134,6 +141,7 @@ class Launcher:
             dim: Number of threads.
             sources: Objects whose attributes supply arguments; the first that has the name wins.
             grain: Threads below which the launch is not cut further.
+            block: Threads of a block on CUDA, if not Warp's own choice.
             named: Arguments given here, before any source; a text is the name to look for instead.
 
         Raises:
@@ -148,7 +156,7 @@ class Launcher:
                     raise TypeError(f"{kernel.key}: no value for argument {value!r}")
                 value = getattr(owner, value)
             args.append(_checked(kernel, var, name, value))
-        return Command(self, kernel, dim, args, grain)
+        return Command(self, kernel, dim, args, grain, block)
 
     def launch(self, kernel: wp.Kernel, dim: int, *sources: object, **named: object) -> None:
         """Bind and run once."""

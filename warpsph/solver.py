@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import warp as wp
 
-from .blocks import Blocks
+from .blocks import CUDA_LANES, Blocks
 from .clock import Clock, Reading
 from .compilation import compile_modules, kernels_of
 from .contact import contact_constants
@@ -32,6 +32,7 @@ from .memory import Policy, policy_of
 from .neighbours import Neighbours
 from .particles import Particles
 from .penetration import interpenetration
+from .program import Program
 from .reference import Reference
 from .scene import SceneData
 from .schemes.factory import make_scheme
@@ -56,6 +57,7 @@ class Solver:
         launcher: The device and its threads.
         particles: The state.
         neighbours: The neighbour rows.
+        program: The launches of a step.
         reading: The clock at the last reading.
     """
 
@@ -89,8 +91,9 @@ class Solver:
         h = data.h
         self._scheme = make_scheme(data, self._spec)
         self.particles = Particles(data, self._spec, self.launcher, self._scheme.groups, self._scheme.parts)
-        self._blocks = Blocks(self.particles.n, self.launcher.device.is_cuda)
-        self._clock = Clock(self._spec, self.launcher, self._blocks)
+        n, cuda = self.particles.n, self.launcher.device.is_cuda
+        self._blocks, self._lanes = Blocks(n, cuda), Blocks(n, cuda, CUDA_LANES if cuda else None)
+        self._clock = Clock(self._spec, self.launcher, self._lanes)
         self.neighbours = Neighbours(
             self.particles,
             self.launcher,
@@ -106,7 +109,7 @@ class Solver:
         self.reference = self._find_reference()
         self._constants = SimpleNamespace(h=h, spacing=data.spacing, cfl=data.numerics.cfl)
         self._work = self._allocate_work()
-        self._program: list[Command] = []
+        self.program = Program(self.launcher)
         self._planning: list[Command] = []
         self._bound = -1
         self._initialise()
@@ -220,8 +223,8 @@ class Solver:
     def _bind_step(self) -> None:
         """Bind the launches of a step again if neighbour rows have moved in memory."""
         if self._bound != self.neighbours.generation:
-            self._planning = self._scheme.plan(self._bind, self._blocks.count, self.neighbours.tiles.most)
-            self._program = self._scheme.step(self._bind) + self._planning
+            self._planning = self._scheme.plan(self._bind, self._lanes, self.neighbours.tiles)
+            self.program.bind(self._scheme.step(self._bind) + self._planning)
             self._bound = self.neighbours.generation
 
     def _plan(self) -> Reading:
@@ -234,9 +237,7 @@ class Solver:
 
     def _run_steps(self, count: int) -> None:
         self._bind_step()
-        for _ in range(count):
-            for command in self._program:
-                command()
+        self.program.run(count)
 
     def _predict(self, before: Reading, now: Reading) -> int:
         """Steps until the skin is used up, judged by the last batch: a wrong guess costs idle steps, nothing else."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import warp as wp
 
+from warpsph.blocks import Blocks
 from warpsph.config import Numerics
 from warpsph.kernels.constitutive import make_constitutive
 from warpsph.kernels.contact import make_contact
@@ -18,6 +19,7 @@ from warpsph.kernels.spec import Spec
 from warpsph.kernels.tiles import make_tiles
 from warpsph.kernels.timestep import make_timestep
 from warpsph.launch import Command
+from warpsph.tiles import Tiles
 
 Bind = Callable[..., Command]
 """``bind(kernel, n)`` binds a launch over all particles, or over n threads, to the solver's arrays."""
@@ -155,18 +157,30 @@ class Scheme(ABC):
         """The launches that refill what one step leaves for the next and no checkpoint holds."""
         return []
 
-    def plan(self, bind: Bind, n_blocks: int, n_tiles: int) -> list[Command]:
-        """How far the next step may go, and whether it may be taken at all."""
-        worn = [
-            (self._tiles.motion, n_tiles),  # whether the neighbour rows
-            (self._tiles.wear, n_tiles),  # still hold every pair
-        ]
-        sequence = [
-            *(worn if self.searching else []),
-            (self._timestep.local, n_blocks),  # dt_a from the state
-            (self._timestep.decide, 1),  # dt and verdict
-        ]
-        return [bind(kernel, n) for kernel, n in sequence]
+    def plan(self, bind: Bind, lanes: Blocks, tiles: Tiles) -> list[Command]:
+        """How far the next step may go, and whether it may be taken at all.
+
+        Args:
+            bind: Binds launches.
+            lanes: How particles are dealt out to the threads that look for the smallest step.
+            tiles: What tells whether the neighbour rows still hold every pair.
+        """
+        worn = self._worn(bind, tiles) if self.searching else []
+        local = bind(self._timestep.local, lanes.count, **vars(lanes))  # dt_a from the state
+        if not lanes.folds:
+            return [*worn, local, bind(self._timestep.decide, 1)]  # dt and verdict
+        few = {"block_dt": "folded_dt", "tile_wear": "folded_wear"}
+        fold, decide = bind(self._timestep.fold, lanes.folds), bind(self._timestep.decide, 1, **few)
+        return [*worn, local, fold, decide]
+
+    def _worn(self, bind: Bind, tiles: Tiles) -> list[Command]:
+        """Whether the neighbour rows still hold every pair."""
+        k, threads = self._tiles, tiles.most * tiles.lanes
+        wear = bind(k.wear, threads)
+        if tiles.lanes == 1:
+            return [bind(k.motion, threads), wear]
+        parts = {"moved_low": "lane_low", "moved_high": "lane_high"}
+        return [bind(k.motion, threads, **parts), bind(k.extents, tiles.most), wear]
 
     @abstractmethod
     def step(self, bind: Bind) -> list[Command]:

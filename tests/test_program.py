@@ -1,0 +1,102 @@
+"""The launches of a step, replayed from a captured graph: the same bits as one by one, on a CPU as on a GPU."""
+
+import numpy as np
+import pytest
+import warp as wp
+from tools import by_id, collision, run
+
+from warpsph.blocks import FOLDS, Blocks
+from warpsph.program import Program
+from warpsph.solver import Solver
+
+SCHEMES = ("sav1-mixed-as", "ts2", "adaptle-as")
+
+
+def solver(scheme, captured):
+    made = Solver(collision(2, scheme=scheme).finalize(), threads=1)
+    made.program.captured = captured
+    return made
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_a_replayed_graph_gives_the_same_bits(scheme):
+    """Over several rebuilds of the rows, and past t_stop, where void steps are replayed."""
+    one_by_one, replayed = solver(scheme, False), solver(scheme, True)
+    for made in (one_by_one, replayed):
+        made.advance(1e-6)
+        made.advance(2e-6)
+    assert replayed.program._graph is not None and replayed.program.captured
+    assert replayed.reading == one_by_one.reading
+    assert replayed.neighbours.builds == one_by_one.neighbours.builds
+    after = replayed.particles.arrays()
+    for name, values in one_by_one.particles.arrays().items():
+        np.testing.assert_array_equal(after[name], values, err_msg=name)
+
+
+def test_rows_that_moved_in_memory_are_captured_again():
+    made = solver("sav1", True)
+    made.prepare()
+    first = made.program._graph
+    made.advance(1e-7)
+    assert made.program._graph is first
+    made._bound = -1  # as after a build in which the rows outgrew their storage
+    made.advance(2e-7)
+    assert made.program._graph is not first
+
+
+class Broken(wp.ScopedCapture):
+    """A device that refuses."""
+
+    def __exit__(self, *failure):
+        super().__exit__(*failure)
+        raise RuntimeError("operation not permitted when stream is capturing")
+
+
+def test_a_device_without_graphs_launches_one_by_one(monkeypatch, recwarn):
+    monkeypatch.setattr(wp, "ScopedCapture", Broken)
+    made, plain = solver("sav1", True), solver("sav1", False)
+    made.advance(1e-6)
+    plain.advance(1e-6)
+    assert not made.program.captured
+    told = [str(warning.message) for warning in recwarn]
+    assert len(told) == 1 and "no CUDA graph on cpu" in told[0]
+    np.testing.assert_array_equal(made.particles.x.numpy(), plain.particles.x.numpy())
+
+
+def test_the_first_run_after_binding_is_no_replay():
+    """Every count is an execution: the capture itself runs nothing."""
+    runs = []
+
+    class Command:
+        def __call__(self):
+            runs.append(wp.get_device("cpu").is_capturing)
+
+    program = Program(solver("sav1", False).launcher)
+    program.captured = True
+    program.bind([Command()])
+    program.run(1)
+    assert runs == [False, True]  # one execution, one recording
+
+
+@pytest.mark.parametrize("scheme", ["sav1", "adaptle-as"])
+def test_dealt_out_as_on_a_gpu_the_step_is_the_same(monkeypatch, scheme):
+    """Minima and maxima know no order: the reductions that a GPU needs, in stages, give the same bits."""
+    here = run(collision(3, scheme=scheme), 2e-6)
+    monkeypatch.setattr("warpsph.solver.Blocks", lambda n, cuda, most=None: Blocks(n, True, 300))
+    monkeypatch.setattr("warpsph.tiles.LANES_CPU", 5)
+    dealt = run(collision(3, scheme=scheme), 2e-6)
+    assert dealt._lanes.folds == FOLDS and dealt.neighbours.tiles.lanes == 5
+    assert dealt.reading == here.reading
+    np.testing.assert_array_equal(by_id(dealt, "x"), by_id(here, "x"))
+    for name, value in here.ledger().items():
+        assert dealt.ledger()[name] == pytest.approx(value, rel=1e-12, abs=1e-12), name
+
+
+@pytest.mark.parametrize("cuda", [False, True])
+@pytest.mark.parametrize(("n", "most"), [(1, 4), (3, 4), (4, 4), (5, 4), (1000, 33), (70000, None)])
+def test_every_particle_is_dealt_to_one_block(n, most, cuda):
+    dealt = Blocks(n, cuda, most)
+    b, k = np.meshgrid(np.arange(dealt.count), np.arange(dealt.chunk), indexing="ij")
+    i = b * dealt.across + k * dealt.along
+    np.testing.assert_array_equal(np.sort(i[i < n]), np.arange(n))
+    assert (i < n).any(axis=1).all()  # no block is empty
