@@ -1,6 +1,7 @@
 """The stages of `gpu_check`: what is run on a GPU, and what counts as right."""
 
 import datetime
+import gc
 import importlib.util
 import multiprocessing
 import os
@@ -353,6 +354,8 @@ def memory(sheet: Sheet, device: str, quick: bool, deadline: float) -> None:
         told = f"{used / n:.0f}" if found.is_cuda else "-"
         sheet.add([f"{n:,}", f"{used / 1e9:.2f}", told, f"{seconds:.1f}"], {"n": n, "bytes": used})
         del solver, data
+        gc.collect()
+        wp.synchronize_device(device)  # only now the pool gives memory back
         if larger and 1.2 * seconds * larger / particles > deadline - time.monotonic():
             sheet.notes.append(f"No time for {larger:,} particles.")
             break
