@@ -125,7 +125,8 @@ class Scheme(ABC):
             tiles: What tells whether the neighbour rows still hold every pair.
         """
         worn = self._worn(bind, tiles) if self.searching else []
-        local = bind(self._timestep.local, lanes.count, **vars(lanes))  # dt_a from the state
+        deal = {"chunk": lanes.chunk, "along": lanes.along, "across": lanes.across}
+        local = bind(self._timestep.local, lanes.count, **deal)  # dt_a from the state
         if not lanes.folds:
             return [*worn, local, bind(self._timestep.decide, 1)]  # dt and verdict
         few = {"block_dt": "folded_dt", "tile_wear": "folded_wear"}
