@@ -166,7 +166,8 @@ class Scheme(ABC):
             tiles: What tells whether the neighbour rows still hold every pair.
         """
         worn = self._worn(bind, tiles) if self.searching else []
-        local = bind(self._timestep.local, blocks.count, **vars(blocks))  # dt_a from the state
+        deal = {"chunk": blocks.chunk, "along": blocks.along, "across": blocks.across}
+        local = bind(self._timestep.local, blocks.count, **deal)  # dt_a from the state
         if not blocks.folds:
             return [*worn, local, bind(self._timestep.decide, 1)]  # dt and verdict
         few = {"block_dt": "folded_dt", "tile_wear": "folded_wear"}
