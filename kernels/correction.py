@@ -40,7 +40,8 @@ def make_correction(
     real, vec, mat, place, point, dim = s.real, s.vec, s.mat, s.place, s.point, s.dim
     mirror, tensor = make_mirror(s, planes), make_tensor(s)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    _, spot, worth, _, _, row_end, _ = make_lanes(s)
+    lanes = make_lanes(s)
+    spot, worth, row_end = lanes.spot, lanes.worth, lanes.row_end
     bound, counts, zero = real(CONDITION), make_counts(separate, coupled), real(0.0)
     options = (smoothing.name, "planes" * planes, "separate" * separate, "coupled" * coupled)
 

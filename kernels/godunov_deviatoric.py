@@ -20,7 +20,8 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     dot, act = tensor.dot, tensor.act
     zero, half = real(0.0), real(0.5)
-    at, spot, worth, _, _, row_end, _ = make_lanes(s)
+    lanes = make_lanes(s)
+    at, spot, worth, row_end = lanes.at, lanes.spot, lanes.worth, lanes.row_end
     dim, on = s.dim, wp.constant(int(corrected))
     options = (smoothing.name, f"order{order}", "corrected" * corrected, "planes" * planes)
 

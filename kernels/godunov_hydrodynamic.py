@@ -52,7 +52,16 @@ def make_hydrodynamic(
     Material = make_material(s)
     limited = make_limiter(s, states.limiter, states.jump)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    at, spot, taken, raised, value, row_end, Bits = make_lanes(s)
+    lanes = make_lanes(s)
+    at, spot, taken, raised, value, row_end, Bits = (
+        lanes.at,
+        lanes.spot,
+        lanes.worth,
+        lanes.raised,
+        lanes.value,
+        lanes.row_end,
+        lanes.Bits,
+    )
     dot, quadratic = tensor.dot, tensor.quadratic
     zero, half, one, two = real(0.0), real(0.5), real(1.0), real(2.0)
     dim, on, second, fragile = s.dim, wp.constant(int(corrected)), states.order == 2, states.fragile

@@ -26,7 +26,16 @@ def make_godunov_pm(
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     dot, act = tensor.dot, tensor.act
     zero, half, one, two = real(0.0), real(0.5), real(1.0), real(2.0)
-    at, spot, worth, raised, value, row_end, Bits = make_lanes(s)
+    lanes = make_lanes(s)
+    at, spot, worth, raised, value, row_end, Bits = (
+        lanes.at,
+        lanes.spot,
+        lanes.worth,
+        lanes.raised,
+        lanes.value,
+        lanes.row_end,
+        lanes.Bits,
+    )
     shear_share = real(0.75)
     dim, on = s.dim, wp.constant(int(corrected))
     flags = ("fragile" * fragile, "corrected" * corrected, "planes" * planes)

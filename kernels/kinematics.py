@@ -36,7 +36,8 @@ def make_kinematics(
     real, mat, place, point = s.real, s.mat, s.place, s.point
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    at, spot, worth, _, _, row_end, _ = make_lanes(s)
+    lanes = make_lanes(s)
+    at, spot, worth, row_end = lanes.at, lanes.spot, lanes.worth, lanes.row_end
     dim, counts = s.dim, make_counts(separate, coupled)
     options = (
         smoothing.name,

@@ -1,7 +1,7 @@
 """What a pair loop needs so that a CPU's compiler can handle several pairs at once, in the lanes of its vector registers.
 
 Such a loop counts up in a ``while`` (Warp's ``range`` may count down, and asks every time around), has no ``continue`` and
-stores nothing; it adds up scalars, and keeps a maximum by `raised`. It reads vectors by `at`: a compiler loads a vector of
+stores nothing; it adds up scalars, and keeps a maximum by `raised`, a minimum by `lowered`. It reads vectors by `at`: a compiler loads a vector of
 three single-precision numbers as two pieces, which it does not spread over lanes. What lies beyond the support is not
 left out but counts nothing, with W = W' = 0: a branch costs more than the work it saves, except on a GPU (`worth`).
 Its module is built with ``s.module(..., lanes=True)``, which lets the compiler add in another order: the same in every run.
@@ -24,6 +24,8 @@ class Lanes(NamedTuple):
     spot: wp.Function
     worth: wp.Function
     raised: wp.Function
+    lowered: wp.Function
+    finite: wp.Function
     value: wp.Function
     row_end: wp.Function
     Bits: type
@@ -34,6 +36,7 @@ def make_lanes(s: Spec) -> Lanes:
     """Build the functions for one specialisation."""
     real, vec, place, point, lanes = s.real, s.vec, s.place, s.point, s.lanes
     Bits = wp.int32 if real is wp.float32 else wp.int64
+    exponent = wp.constant(Bits(0xFF << 23 if real is wp.float32 else 0x7FF << 52))
 
     @wp.func
     def at(a: wp.array2d[real], i: wp.int32):
@@ -66,6 +69,17 @@ def make_lanes(s: Spec) -> Lanes:
         return wp.where(other > top, other, top)
 
     @wp.func
+    def lowered(bottom: Bits, a: real):
+        """The smaller of two numbers, one of which at most is negative, the first given by its bits."""
+        other = wp.cast(a, Bits)
+        return wp.where(other < bottom, other, bottom)
+
+    @wp.func
+    def finite(a: real):
+        """Whether a number is finite, by its exponent: neither infinite nor NaN."""
+        return (wp.cast(a, Bits) & exponent) != exponent
+
+    @wp.func
     def value(top: Bits):
         """The number of these bits."""
         return wp.cast(top, real)
@@ -75,4 +89,4 @@ def make_lanes(s: Spec) -> Lanes:
         """One past the last entry of a row of n neighbours, filled up to a multiple of the lanes."""
         return first + (n + wp.static(lanes - 1)) / wp.static(lanes) * wp.static(lanes)
 
-    return Lanes(at, spot, worth, raised, value, row_end, Bits)
+    return Lanes(at, spot, worth, raised, lowered, finite, value, row_end, Bits)

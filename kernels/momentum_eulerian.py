@@ -53,7 +53,16 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
     Accelerations, Powers = part_types(s, len(terms.parts))
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     dot, act = tensor.dot, tensor.act
-    at, spot, worth, raised, value, row_end, Bits = make_lanes(s)
+    lanes = make_lanes(s)
+    at, spot, worth, raised, value, row_end, Bits = (
+        lanes.at,
+        lanes.spot,
+        lanes.worth,
+        lanes.raised,
+        lanes.value,
+        lanes.row_end,
+        lanes.Bits,
+    )
     switched, stressed = terms.switched, terms.artificial_stress
     viscous, artificial = (terms.parts.index(p) if p in terms.parts else 0 for p in (VISCOUS, ARTIFICIAL))
     half = real(0.5)

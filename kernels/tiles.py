@@ -209,18 +209,18 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
         member: wp.array[wp.int32],
         n_tiles: wp.array[wp.int32],
         plane_mask: wp.int32,
-        lanes: wp.int32,
+        hands: wp.int32,
         # out:
         moved_low: wp.array[vec],
         moved_high: wp.array[vec],
     ):
-        """Bounding box of the displacements of a tile's particles since the rows were built [m], ``lanes`` to a tile."""
-        lane = wp.tid() + offset
-        t = lane // lanes
+        """Bounding box of the displacements of a tile's particles since the rows were built [m], ``hands`` to a tile."""
+        hand = wp.tid() + offset
+        t = hand // hands
         if t >= n_tiles[0]:
             return
         low, high = vec(real(1.0e30)), vec(real(-1.0e30))
-        for k in range(tile_start[t] + lane % lanes, tile_start[t + 1], lanes):
+        for k in range(tile_start[t] + hand % hands, tile_start[t + 1], hands):
             i = member[k]
             moved = vec(x[i] - x_listed[i])
             low, high = wp.min(low, moved), wp.max(high, moved)
@@ -229,28 +229,28 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
                 widest = wp.max(-low[c], high[c])
                 low[c] = -widest
                 high[c] = widest
-        moved_low[lane] = low
-        moved_high[lane] = high
+        moved_low[hand] = low
+        moved_high[hand] = high
 
     @wp.kernel(module=module)
     def extents(
         offset: wp.int32,
         # in:
-        lane_low: wp.array[vec],
-        lane_high: wp.array[vec],
+        hand_low: wp.array[vec],
+        hand_high: wp.array[vec],
         n_tiles: wp.array[wp.int32],
-        lanes: wp.int32,
+        hands: wp.int32,
         # out:
         moved_low: wp.array[vec],
         moved_high: wp.array[vec],
     ):
-        """Bounding box of a tile's displacements from those of its lanes [m]."""
+        """Bounding box of a tile's displacements from those of its hands [m]."""
         t = wp.tid() + offset
         if t >= n_tiles[0]:
             return
-        low, high = vec(lane_low[t * lanes]), vec(lane_high[t * lanes])
-        for k in range(t * lanes + 1, (t + 1) * lanes):
-            low, high = wp.min(low, lane_low[k]), wp.max(high, lane_high[k])
+        low, high = vec(hand_low[t * hands]), vec(hand_high[t * hands])
+        for k in range(t * hands + 1, (t + 1) * hands):
+            low, high = wp.min(low, hand_low[k]), wp.max(high, hand_high[k])
         moved_low[t] = low
         moved_high[t] = high
 
@@ -269,24 +269,24 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
         support: real,
         radius: real,
         wearing_role: wp.int32,
-        lanes: wp.int32,
+        hands: wp.int32,
         # out:
         tile_wear: wp.array[real],
     ):
         """Largest share of the allowed approach that a tile has used up against any tile [-]; 1 wears the rows out.
 
-        Each of the tile's ``lanes`` has a value of its own, against every so many tiles. With Lagrangian particles two tiles of one body count from ``wearing_role`` of one of them on.
+        Each of the tile's ``hands`` has a value of its own, against every so many tiles. With Lagrangian particles two tiles of one body count from ``wearing_role`` of one of them on.
         """
-        lane = wp.tid() + offset
-        t = lane // lanes
+        hand = wp.tid() + offset
+        t = hand // hands
         if t >= n_tiles[0]:
-            tile_wear[lane] = real(0.0)
+            tile_wear[hand] = real(0.0)
             return
         low, high = moved_low[t], moved_high[t]
         at, to = box_low[t], box_high[t]
         skin2 = (radius - support) * (radius - support)
         worst = real(0.0)
-        for u in range(lane % lanes, n_tiles[0], lanes):
+        for u in range(hand % hands, n_tiles[0], hands):
             if wp.static(selective):
                 if wp.max(tile_role[t], tile_role[u]) < wearing_role and not strangers(
                     body_first[t], body_last[t], body_first[u], body_last[u]
@@ -298,6 +298,6 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
                 gap = between(at, to, box_low[u], box_high[u])
                 apart = wp.max(radius, wp.length(gap)) - support
                 worst = wp.max(worst, n2 / (apart * apart))
-        tile_wear[lane] = wp.sqrt(worst)
+        tile_wear[hand] = wp.sqrt(worst)
 
     return TileKernels(keys, heads, starts, boxes, contents, roles, motion, extents, wear)

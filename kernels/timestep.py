@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import warp as wp
 
+from .lanes import make_lanes
 from .spec import Spec
 
 RUNNING, DONE, STALE, COLLAPSED, NON_FINITE, INSIDE_OUT = range(6)
@@ -45,33 +46,41 @@ def make_timestep(
         contact: Bodies are in contact.
         switched: A switch scales the artificial viscosity.
     """
-    real, vec, point = s.real, s.vec, s.point
+    real, vec, place = s.real, s.vec, s.place
+    lanes = make_lanes(s)
+    at, spot, lowered, finite, value, Bits = (
+        lanes.at,
+        lanes.spot,
+        lanes.lowered,
+        lanes.finite,
+        lanes.value,
+        lanes.Bits,
+    )
     zero = real(0.0)
     share, acceleration = real(VISCOUS_SHARE), real(ACCELERATION_CFL)
     floor, contact_cfl = wp.float64(FLOOR), real(CONTACT_CFL)
     options = ("lagrangian" * lagrangian, "contact" * contact, "switched" * switched)
     module = s.module(__name__, "_".join(filter(None, options)))
+    over_lanes = s.module(__name__, "_".join(filter(None, ("local", *options))), lanes=True)
 
     @wp.func
     def limit(h: real, cfl: real, speed: real, rate2: real, a2: real, check: real):
         """Largest stable step of one particle [s]; -1 where its state is not finite."""
         dt_i = cfl * h / speed
         if wp.static(contact):
-            if rate2 > zero:
-                dt_i = wp.min(dt_i, contact_cfl / wp.sqrt(rate2))
-        if a2 > zero:
-            dt_i = wp.min(dt_i, acceleration * wp.sqrt(h / wp.sqrt(a2)))
-        if not wp.isfinite(check) or not wp.isfinite(dt_i):
-            return real(-1.0)
-        return dt_i
+            dt_contact = contact_cfl / wp.sqrt(rate2)
+            dt_i = wp.where(rate2 > zero and dt_contact < dt_i, dt_contact, dt_i)
+        dt_force = acceleration * wp.sqrt(h / wp.sqrt(a2))
+        dt_i = wp.where(a2 > zero and dt_force < dt_i, dt_force, dt_i)
+        return wp.where(finite(check) and finite(dt_i), dt_i, real(-1.0))
 
-    @wp.kernel(module=module)
+    @wp.kernel(module=over_lanes)
     def local(
         offset: wp.int32,
         # in:
-        x: wp.array[point],
-        v: wp.array[vec],
-        dvdt: wp.array[vec],
+        x: wp.array2d[place],
+        v: wp.array2d[real],
+        dvdt: wp.array2d[real],
         rho: wp.array[real],
         e: wp.array[real],
         cs: wp.array[real],
@@ -93,22 +102,25 @@ def make_timestep(
     ):
         """Block minima of dt_a = cfl h/(c_l + 0.6 q(α c + β mu)) [s], h as it shrinks in the reference configuration."""
         b = wp.tid() + offset
-        dt_b = real(1.0e30)
-        for k in range(chunk):
-            i = b * across + k * along
-            if i < n:
-                signal = viscosity_alpha * cs[i] + viscosity_beta * mu[i]
-                if wp.static(switched):
-                    signal *= av_switch[i]
-                check = rho[i] + e[i] + wp.dot(vec(x[i]), v[i])
-                speed = cl[i] + share * signal
-                if wp.static(lagrangian):
-                    speed *= shrink[i]
-                rate2 = zero
-                if wp.static(contact):
-                    rate2 = contact_rate[i]
-                dt_b = wp.min(dt_b, limit(h, cfl, speed, rate2, wp.dot(dvdt[i], dvdt[i]), check))
-        block_dt[b] = dt_b
+        dt_b = wp.cast(real(1.0e30), Bits)
+        first = b * across
+        last = wp.min(chunk, (n - first + along - 1) / along)
+        k = wp.int32(0)
+        while k < last:
+            i = first + k * along
+            signal = viscosity_alpha * cs[i] + viscosity_beta * mu[i]
+            if wp.static(switched):
+                signal *= av_switch[i]
+            check = rho[i] + e[i] + wp.dot(vec(spot(x, i)), at(v, i))
+            speed = cl[i] + share * signal
+            if wp.static(lagrangian):
+                speed *= shrink[i]
+            rate2 = real(0.0)
+            if wp.static(contact):
+                rate2 = contact_rate[i]
+            dt_b = lowered(dt_b, limit(h, cfl, speed, rate2, wp.dot(at(dvdt, i), at(dvdt, i)), check))
+            k += 1
+        block_dt[b] = value(dt_b)
 
     @wp.kernel(module=module)
     def fold(
@@ -164,7 +176,7 @@ def make_timestep(
         step = wp.float64(smallest)
         left = clock[1] - clock[0]
         status = wp.int32(RUNNING)
-        if smallest < zero:
+        if not smallest >= zero:  # -1, or not a number
             status = wp.int32(NON_FINITE)
         elif turned[0] == 1:
             status = wp.int32(INSIDE_OUT)

@@ -79,3 +79,16 @@ def test_twice_the_same_bits(cuda, scheme):
     first, second = (run(collision(3, scheme=scheme), 2e-6, device=cuda).particles.arrays() for _ in range(2))
     for name, values in first.items():
         np.testing.assert_array_equal(values, second[name], err_msg=name)
+
+
+@pytest.mark.parametrize("scheme", ["sav1", "ts2", "tl", "adaptle-mixed-as"])
+def test_a_graph_is_captured_and_gives_the_bits_of_plain_launches(cuda, scheme):
+    replayed, plain = (Solver(collision(3, scheme=scheme).finalize(), device=cuda) for _ in range(2))
+    plain.program.captured = False
+    for solver in (replayed, plain):
+        solver.advance(2e-6)
+    assert replayed.program.captured and replayed.program._graph is not None
+    assert replayed.reading == plain.reading
+    after = plain.particles.arrays()
+    for name, values in replayed.particles.arrays().items():
+        np.testing.assert_array_equal(values, after[name], err_msg=name)

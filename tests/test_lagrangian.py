@@ -148,7 +148,7 @@ def names(solver):
         kernels.append(kernel.key)
 
     scheme = solver._scheme
-    for part in (scheme.step, lambda bind: scheme.plan(bind, 1, 1)):
+    for part in (scheme.step, lambda bind: scheme.plan(bind, solver._step_blocks, solver.neighbours.tiles)):
         part(note)
     return kernels
 

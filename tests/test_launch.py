@@ -10,7 +10,7 @@ from tools import DOUBLE, PLASTIC
 from warpsph.errors import InputError
 from warpsph.kernels.constitutive import make_constitutive
 from warpsph.kernels.spec import Spec
-from warpsph.launch import SMALLEST_SLICE, Launcher
+from warpsph.launch import SMALLEST_LIGHT_SLICE, Launcher
 from warpsph.materials import pack
 
 SINGLE = {dim: Spec(dim, wp.float32) for dim in DOUBLE}
@@ -49,7 +49,7 @@ def numbers(n, dtype=wp.float64):
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
-@pytest.mark.parametrize("n", [1, SMALLEST_SLICE, 4 * SMALLEST_SLICE + 3])
+@pytest.mark.parametrize("n", [1, SMALLEST_LIGHT_SLICE, 4 * SMALLEST_LIGHT_SLICE + 3])
 def test_every_index_is_done_once(threads, n):
     target = wp.zeros(n, dtype=wp.float64, device="cpu")
     Launcher("cpu", threads).launch(scale, n, Holder(source=numbers(n), target=target), factor=2.0)
@@ -131,6 +131,6 @@ def test_an_unknown_device_is_refused(device):
 
 def test_a_launcher_of_one_thread_starts_none():
     before = threading.active_count()
-    n = 4 * SMALLEST_SLICE
+    n = 4 * SMALLEST_LIGHT_SLICE
     Launcher("cpu", 1).launch(scale, n, source=numbers(n), target=numbers(n), factor=1.0)
     assert threading.active_count() == before

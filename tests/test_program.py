@@ -83,9 +83,9 @@ def test_dealt_out_as_on_a_gpu_the_step_is_the_same(monkeypatch, scheme):
     """Minima and maxima know no order: the reductions that a GPU needs, in stages, give the same bits."""
     here = run(collision(3, scheme=scheme), 2e-6)
     monkeypatch.setattr("warpsph.solver.Blocks", lambda n, cuda, most=None: Blocks(n, True, 300))
-    monkeypatch.setattr("warpsph.tiles.LANES_CPU", 5)
+    monkeypatch.setattr("warpsph.tiles.HANDS_CPU", 5)
     dealt = run(collision(3, scheme=scheme), 2e-6)
-    assert dealt._lanes.folds == FOLDS and dealt.neighbours.tiles.lanes == 5
+    assert dealt._step_blocks.folds == FOLDS and dealt.neighbours.tiles.hands == 5
     assert dealt.reading == here.reading
     np.testing.assert_array_equal(by_id(dealt, "x"), by_id(here, "x"))
     for name, value in here.ledger().items():

@@ -6,7 +6,7 @@ CPU_BLOCKS = 256
 CUDA_BLOCKS = 2048
 """Blocks of the ledger on a GPU: the host adds them up."""
 
-CUDA_LANES = 32768
+CUDA_STEP_BLOCKS = 32768
 """Blocks of the time step's reduction on a GPU, which has to fill it in every step."""
 
 FOLDS = 128

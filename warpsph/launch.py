@@ -4,21 +4,24 @@ import functools
 import inspect
 import itertools
 import os
-from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
 
 import warp as wp
 
 from .errors import InputError
+from .team import Team
 
 SLICES_PER_THREAD = 2
 """A CPU launch is cut into this many slices per thread, taken as they come: uneven rows balance out."""
 
 SMALLEST_SLICE = 512
-"""Particles below which a launch is not cut further."""
+"""Particles below which a launch of a kernel with much to do for each is not cut further."""
 
-SMALLEST_BLOCK_SLICE = 16
-"""The same for launches whose threads each go through a block of particles."""
+SMALLEST_LIGHT_SLICE = 16384
+"""The same for other kernels: to wake a thread takes as long as they do for fewer."""
+
+LABOUR = {"neigh", "neigh0", "materials"}
+"""Arguments of kernels with much to do: rows of neighbours, laws of materials."""
 
 
 @functools.cache
@@ -56,13 +59,13 @@ class Command:
     """A launch with its arguments bound: call it as often as you like."""
 
     def __init__(
-        self, launcher: "Launcher", kernel: wp.Kernel, dim: int, args: list, grain: int, block: int | None
+        self, launcher: "Launcher", kernel: wp.Kernel, dim: int, args: list, most: int, block: int | None
     ):
         self._launcher = launcher
         options = {"device": launcher.device, "block_dim": block, "record_cmd": True}
         self._slices = []
         lengths = [arg.length for arg in args if isinstance(arg, Pieces)]
-        for first, size in launcher.slices(dim, grain, min(lengths, default=dim)):
+        for first, size in launcher.slices(dim, most, min(lengths, default=dim)):
             given = [arg.serving(first) if isinstance(arg, Pieces) else arg for arg in args]
             self._slices.append(wp.launch(kernel, size, [first, *given], **options))
 
@@ -75,7 +78,7 @@ class Launcher:
     """Launches kernels on one device.
 
     Warp runs a CPU launch on one thread but without holding the interpreter lock, so slices of a launch
-    on a thread pool run in parallel. Every kernel takes its slice's first index as ``offset``.
+    shared by threads run in parallel. Every kernel takes its slice's first index as ``offset``.
 
     Attributes:
         device: The Warp device.
@@ -95,39 +98,32 @@ class Launcher:
                 f"threads = {threads} is out of range; allowed: 1 or more (this machine has {cores})"
             )
         self.threads = 1 if self.device.is_cuda else (threads or cores)
-        self._pool = ThreadPoolExecutor(self.threads - 1) if self.threads > 1 else None
+        self._team = Team(self.threads) if self.threads > 1 else None
 
-    def slices(self, dim: int, grain: int, length: int | None = None) -> list[tuple[int, int]]:
-        """Cut a launch of ``dim`` threads into (first, size) pieces, none of them across a multiple of ``length``."""
-        count = 1 if self._pool is None else min(self.threads * SLICES_PER_THREAD, dim // grain)
+    def slices(self, dim: int, most: int, length: int | None = None) -> list[tuple[int, int]]:
+        """Cut a launch of ``dim`` threads into ``most`` (first, size) pieces, or fewer if there are not as many threads.
+
+        None of them goes across a multiple of ``length``.
+        """
+        count = 1 if self._team is None else min(self.threads * SLICES_PER_THREAD, most)
         edges = [dim * k // max(count, 1) for k in range(max(count, 1) + 1)]
         edges = sorted({*edges, *range(0, dim, length or dim)})
         return [(a, b - a) for a, b in itertools.pairwise(edges) if b > a]
 
     def execute(self, slices: list[wp.Launch]) -> None:
-        """Run recorded slices, on the pool where there are several."""
-        if len(slices) == 1 or self._pool is None:
+        """Run recorded slices, shared by the team where there are several."""
+        if len(slices) == 1 or self._team is None:
             for piece in slices:
                 piece.launch()
-            return
-        rest = iter(slices)
-
-        def work():
-            for piece in rest:
-                piece.launch()
-
-        helpers = [self._pool.submit(work) for _ in range(self.threads - 1)]
-        work()
-        wait(helpers)
-        for helper in helpers:
-            helper.result()
+        else:
+            self._team.share([piece.launch for piece in slices])
 
     def bind(
         self,
         kernel: wp.Kernel,
         dim: int,
         *sources: object,
-        grain: int = SMALLEST_SLICE,
+        particles: int | None = None,
         block: int | None = None,
         **named: object,
     ) -> Command:
@@ -140,7 +136,7 @@ class Launcher:
             kernel: Kernel to launch; its first parameter is ``offset``.
             dim: Number of threads.
             sources: Objects whose attributes supply arguments; the first that has the name wins.
-            grain: Threads below which the launch is not cut further.
+            particles: Particles that the threads go through, if not one each.
             block: Threads of a block on CUDA, if not Warp's own choice.
             named: Arguments given here, before any source; a text is the name to look for instead.
 
@@ -156,7 +152,8 @@ class Launcher:
                     raise TypeError(f"{kernel.key}: no value for argument {value!r}")
                 value = getattr(owner, value)
             args.append(_checked(kernel, var, name, value))
-        return Command(self, kernel, dim, args, grain, block)
+        smallest = SMALLEST_LIGHT_SLICE if LABOUR.isdisjoint(_names(kernel)) else SMALLEST_SLICE
+        return Command(self, kernel, dim, args, (particles or dim) // smallest, block)
 
     def launch(self, kernel: wp.Kernel, dim: int, *sources: object, **named: object) -> None:
         """Bind and run once."""

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import warp as wp
 
-from .blocks import CUDA_LANES, Blocks
+from .blocks import CUDA_STEP_BLOCKS, Blocks
 from .clock import Clock, Reading
 from .compilation import compile_modules, kernels_of
 from .contact import contact_constants
@@ -26,7 +26,7 @@ from .kernels.timestep import (
     STALE,
     VISCOUS_SHARE,
 )
-from .launch import SMALLEST_BLOCK_SLICE, SMALLEST_SLICE, Command, Launcher
+from .launch import Command, Launcher
 from .materials import pack
 from .memory import Policy, policy_of
 from .neighbours import Neighbours
@@ -92,8 +92,8 @@ class Solver:
         self._scheme = make_scheme(data, self._spec)
         self.particles = Particles(data, self._spec, self.launcher, self._scheme.groups, self._scheme.parts)
         n, cuda = self.particles.n, self.launcher.device.is_cuda
-        self._blocks, self._lanes = Blocks(n, cuda), Blocks(n, cuda, CUDA_LANES if cuda else None)
-        self._clock = Clock(self._spec, self.launcher, self._lanes)
+        self._blocks, self._step_blocks = Blocks(n, cuda), Blocks(n, cuda, CUDA_STEP_BLOCKS if cuda else None)
+        self._clock = Clock(self._spec, self.launcher, self._step_blocks)
         self.neighbours = Neighbours(
             self.particles,
             self.launcher,
@@ -145,7 +145,7 @@ class Solver:
             kernel, blocks or self.particles.n,
             self.particles, self._work, self.neighbours, self.neighbours.tiles, self.reference,
             self._clock, self._blocks, self._constants, self._scheme,
-            grain=SMALLEST_BLOCK_SLICE if blocks else SMALLEST_SLICE, **named,
+            particles=self.particles.n, **named,
         )  # fmt: skip
 
     def _initialise(self) -> None:
@@ -223,7 +223,7 @@ class Solver:
     def _bind_step(self) -> None:
         """Bind the launches of a step again if neighbour rows have moved in memory."""
         if self._bound != self.neighbours.generation:
-            self._planning = self._scheme.plan(self._bind, self._lanes, self.neighbours.tiles)
+            self._planning = self._scheme.plan(self._bind, self._step_blocks, self.neighbours.tiles)
             self.program.bind(self._scheme.step(self._bind) + self._planning)
             self._bound = self.neighbours.generation
 

@@ -14,7 +14,7 @@ MOST_CPU, MOST_CUDA = 512, 4096
 """Tiles at most: every step compares each with each. Where there are more, tiles grow. A GPU needs them as threads."""
 
 
-LANES_CPU, LANES_CUDA = 1, 8
+HANDS_CPU, HANDS_CUDA = 1, 8
 """Threads that share the particles of a tile, and its comparison with the others, in every step."""
 
 
@@ -23,7 +23,7 @@ class Tiles:
 
     Attributes:
         most: Tiles at most.
-        lanes: Threads that share a tile in every step.
+        hands: Threads that share a tile in every step.
         member: Particle indices tile by tile, shape [n].
         tile_start: First place of a tile in ``member``, shape [most + 1].
         n_tiles: Number of tiles, shape [1].
@@ -31,9 +31,9 @@ class Tiles:
         box_high: Upper corners of the tiles at the last build [m].
         moved_low: Lower bounds of the displacements since then [m].
         moved_high: Upper bounds of the displacements since then [m].
-        lane_low: The same of each lane's particles, shape [most * lanes, 3]; 1 long with one lane, as the next one.
-        lane_high: The same.
-        tile_wear: Share of the allowed approach used up, shape [most * lanes]; see `kernels.tiles`.
+        hand_low: The same of each hand's particles, shape [most * hands, 3]; 1 long with one hand, as the next one.
+        hand_high: The same.
+        tile_wear: Share of the allowed approach used up, shape [most * hands]; see `kernels.tiles`.
         active: 1: the tile may have Eulerian particles (with Lagrangian ones elsewhere; else 1 long, as the next three).
         body_first: Lowest body in the tile.
         body_last: Highest body in the tile.
@@ -46,7 +46,7 @@ class Tiles:
         self._particles, self._launcher, self._selective = particles, launcher, selective
         self._kernels = make_tiles(spec, selective)
         cuda = launcher.device.is_cuda
-        self.most, self.lanes = (MOST_CUDA, LANES_CUDA) if cuda else (MOST_CPU, LANES_CPU)
+        self.most, self.hands = (MOST_CUDA, HANDS_CUDA) if cuda else (MOST_CPU, HANDS_CPU)
         per_tile = max(PER_TILE, 4 * n // self.most)
         self._width = spacing * per_tile ** (1.0 / spec.dim)
         with wp.ScopedDevice(launcher.device):
@@ -57,10 +57,10 @@ class Tiles:
             self.box_high = wp.zeros(self.most, dtype=spec.point)
             self.moved_low = wp.zeros(self.most, dtype=spec.vec)
             self.moved_high = wp.zeros(self.most, dtype=spec.vec)
-            shared = self.most * self.lanes if self.lanes > 1 else 1
-            self.lane_low = wp.zeros(shared, dtype=spec.vec)
-            self.lane_high = wp.zeros(shared, dtype=spec.vec)
-            self.tile_wear = wp.zeros(self.most * self.lanes, dtype=spec.real)
+            shared = self.most * self.hands if self.hands > 1 else 1
+            self.hand_low = wp.zeros(shared, dtype=spec.vec)
+            self.hand_high = wp.zeros(shared, dtype=spec.vec)
+            self.tile_wear = wp.zeros(self.most * self.hands, dtype=spec.real)
             told = self.most if selective else 1
             self.active = wp.zeros(told, dtype=wp.int32)
             self.body_first = wp.zeros(told, dtype=wp.int32)

@@ -18,7 +18,7 @@ from typing import Any
 
 from warpsph.storage import atomic
 
-LIMITS = {"facts": 15, "compare": 120, "tests": 95, "graph": 40, "bench": 105, "layouts": 75, "memory": 30}
+LIMITS = {"facts": 15, "compare": 105, "tests": 80, "graph": 35, "bench": 105, "layouts": 60, "memory": 80}
 """Seconds a stage may take, in the order of importance; what one leaves over goes to the last ones. In all 8 minutes."""
 
 TAIL = 6.0

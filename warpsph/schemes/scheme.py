@@ -157,29 +157,30 @@ class Scheme(ABC):
         """The launches that refill what one step leaves for the next and no checkpoint holds."""
         return []
 
-    def plan(self, bind: Bind, lanes: Blocks, tiles: Tiles) -> list[Command]:
+    def plan(self, bind: Bind, blocks: Blocks, tiles: Tiles) -> list[Command]:
         """How far the next step may go, and whether it may be taken at all.
 
         Args:
             bind: Binds launches.
-            lanes: How particles are dealt out to the threads that look for the smallest step.
+            blocks: How particles are dealt out to the threads that look for the smallest step.
             tiles: What tells whether the neighbour rows still hold every pair.
         """
         worn = self._worn(bind, tiles) if self.searching else []
-        local = bind(self._timestep.local, lanes.count, **vars(lanes))  # dt_a from the state
-        if not lanes.folds:
+        deal = {"chunk": blocks.chunk, "along": blocks.along, "across": blocks.across}
+        local = bind(self._timestep.local, blocks.count, **deal)  # dt_a from the state
+        if not blocks.folds:
             return [*worn, local, bind(self._timestep.decide, 1)]  # dt and verdict
         few = {"block_dt": "folded_dt", "tile_wear": "folded_wear"}
-        fold, decide = bind(self._timestep.fold, lanes.folds), bind(self._timestep.decide, 1, **few)
+        fold, decide = bind(self._timestep.fold, blocks.folds), bind(self._timestep.decide, 1, **few)
         return [*worn, local, fold, decide]
 
     def _worn(self, bind: Bind, tiles: Tiles) -> list[Command]:
         """Whether the neighbour rows still hold every pair."""
-        k, threads = self._tiles, tiles.most * tiles.lanes
+        k, threads = self._tiles, tiles.most * tiles.hands
         wear = bind(k.wear, threads)
-        if tiles.lanes == 1:
+        if tiles.hands == 1:
             return [bind(k.motion, threads), wear]
-        parts = {"moved_low": "lane_low", "moved_high": "lane_high"}
+        parts = {"moved_low": "hand_low", "moved_high": "hand_high"}
         return [bind(k.motion, threads, **parts), bind(k.extents, tiles.most), wear]
 
     @abstractmethod

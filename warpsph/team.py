@@ -1,0 +1,54 @@
+"""Threads that share a launch."""
+
+import weakref
+from collections.abc import Callable, Iterator
+from queue import SimpleQueue
+from threading import Thread
+
+Work = Callable[[], None]
+"""A piece of work."""
+
+
+class Team:
+    """The calling thread and its helpers, which wait for work in queues: no pool hands it over faster."""
+
+    def __init__(self, threads: int):
+        """Start ``threads`` - 1 helpers; they end with the team."""
+        self._jobs: list[SimpleQueue] = [SimpleQueue() for _ in range(threads - 1)]
+        self._ended: SimpleQueue = SimpleQueue()
+        for jobs in self._jobs:
+            Thread(target=_help, args=(jobs, self._ended), daemon=True).start()
+        weakref.finalize(self, _dismiss, self._jobs)
+
+    def share(self, pieces: list[Work]) -> None:
+        """Run all pieces, each by whoever is free; returns when all are done.
+
+        Raises:
+            Exception: What a piece raised.
+        """
+        rest = iter(pieces)
+        for jobs in self._jobs:
+            jobs.put(rest)
+        failures = [_work(rest), *(self._ended.get() for _ in self._jobs)]
+        for failure in filter(None, failures):
+            raise failure
+
+
+def _help(jobs: SimpleQueue, ended: SimpleQueue) -> None:
+    while (rest := jobs.get()) is not None:
+        ended.put(_work(rest))
+
+
+def _work(rest: Iterator[Work]) -> Exception | None:
+    """Run pieces as long as there are any; gives what went wrong."""
+    try:
+        for piece in rest:
+            piece()
+    except Exception as error:
+        return error
+    return None
+
+
+def _dismiss(jobs: list[SimpleQueue]) -> None:
+    for queue in jobs:
+        queue.put(None)
