@@ -48,7 +48,7 @@ def make_neighbours(
 
     row_end = make_lanes(s).row_end
     masks = wp.constant(8 if planes else 1)
-    LARGEST = wp.constant(2**31 - 1)
+    LARGEST = wp.constant(2**31 - 1)  # as a mask it tells the compiler that an index is not negative
     lines, layers = (3 if s.dim > axis else 1 for axis in (1, 2))
     Runs = wp.types.vector(2 * lines, wp.int32)
 
@@ -76,6 +76,9 @@ def make_neighbours(
     ):
         """Write the neighbours |x_i - x_j| < radius, mirror images included, i itself left out but to fill up the row.
 
+        They are in three lines of cells in each of three layers (in 2D there is one layer, in 1D one line), no further
+        along than the distance of the line leaves room for (see `cells`). Where the runs of a layer begin and end is
+        found side by side, before the first is gone through: a CPU waits at the end of each.
         Every candidate is written and only a neighbour moves the end on: no branch to mispredict, and the reason
         why a row has at least one spare place. A row without room is counted to its end and reported, never cut.
         """
@@ -87,18 +90,17 @@ def make_neighbours(
             if role[i] == 0 or kernel_type[i] == ERODED:
                 n_neigh[i] = 0
                 return
-        for mask in range(masks):
+        mask = wp.int32(0)
+        while mask < masks:
             if (mask & plane_mask) == mask:
                 xi = mirror.point(x[i], mirror.sign(mask << INDEX_BITS), plane)
                 u = coordinates(xi, cell_scale)
                 c_y, c_z = wp.floor(u[1]), wp.floor(u[2])
-                for layer in range(layers):
-                    z = layer - wp.static(layers // 2)
+                z = -wp.int32(wp.static(layers // 2))
+                while z <= wp.static(layers // 2):
                     above = beyond(real(u[2] - c_z), z)
                     firsts, lasts = Runs(), Runs()
-                    for p in range(
-                        wp.static(lines)
-                    ):  # unrolled: where runs begin and end is found side by side
+                    for p in range(wp.static(lines)):
                         y = p - wp.static(lines // 2)
                         aside = beyond(real(u[1] - c_y), y)
                         rest = real(1.0) - above * above - aside * aside
@@ -110,7 +112,8 @@ def make_neighbours(
                             firsts[2 * p + 1] = first_2
                             lasts[2 * p] = last_1
                             lasts[2 * p + 1] = last_2
-                    for r in range(wp.static(2 * lines)):
+                    r = wp.int32(0)
+                    while r < wp.static(2 * lines):
                         k = firsts[r] & LARGEST
                         last_k = lasts[r]
                         while k < last_k:
@@ -123,6 +126,9 @@ def make_neighbours(
                                 near = near and fits(body[i], body[j], kernel_type[j])
                             at += wp.where(near, 1, 0)
                             k += 1
+                        r += 1
+                    z += 1
+            mask += 1
         n_neigh[i] = at - first
         last = row_end(first, at - first)
         if at >= end or last > end:
