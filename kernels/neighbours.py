@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import warp as wp
 
+from .cells import ALONG, make_cells
 from .kernel_type import ERODED
 from .lanes import make_lanes
 from .mirror import INDEX_BITS, make_mirror
@@ -17,7 +18,6 @@ class NeighbourKernels(NamedTuple):
 
     fill: wp.Kernel
     reserve: wp.Kernel
-    cell_order: wp.Kernel
 
 
 @functools.cache
@@ -34,6 +34,7 @@ def make_neighbours(
     """
     real, vec, place, point = s.real, s.vec, s.place, s.point
     mirror, dot = make_mirror(s, planes), make_tensor(s).dot
+    coordinates, beyond, number, runs = make_cells(s)[2:]
     options = ("planes" * planes, "same_body" * same_body, "selective" * selective)
     module = s.module(__name__, "_".join(filter(None, options)))
 
@@ -47,12 +48,14 @@ def make_neighbours(
 
     row_end = make_lanes(s).row_end
     masks = wp.constant(8 if planes else 1)
+    LARGEST = wp.constant(2**31 - 1)
+    lines, layers = (3 if s.dim > axis else 1 for axis in (1, 2))
+    Runs = wp.types.vector(2 * lines, wp.int32)
 
     @wp.kernel(module=module)
     def fill(
         offset: wp.int32,
         # in:
-        grid: wp.uint64,
         x: wp.array[point],
         body: wp.array[wp.int32],
         kernel_type: wp.array[wp.int32],
@@ -60,6 +63,11 @@ def make_neighbours(
         plane: point,
         plane_mask: wp.int32,
         radius: real,
+        period: wp.vec3i,
+        cell_scale: point,
+        cell_start: wp.array[wp.int32],
+        order: wp.array[wp.int32],
+        x_sorted: wp.array[point],
         start: wp.array[wp.int32],
         # out:
         neigh: wp.array[wp.int32],
@@ -72,9 +80,9 @@ def make_neighbours(
         why a row has at least one spare place. A row without room is counted to its end and reported, never cut.
         """
         i = wp.tid() + offset
-        first = start[i]
-        room = start[i + 1] - first
-        n = wp.int32(0)
+        first = start[i] & LARGEST
+        end = start[i + 1]
+        at = wp.int32(first)
         if wp.static(selective):
             if role[i] == 0 or kernel_type[i] == ERODED:
                 n_neigh[i] = 0
@@ -82,21 +90,47 @@ def make_neighbours(
         for mask in range(masks):
             if (mask & plane_mask) == mask:
                 xi = mirror.point(x[i], mirror.sign(mask << INDEX_BITS), plane)
-                for j in wp.hash_grid_query(grid, xi, place(radius)):
-                    if n < room:
-                        neigh[first + n] = j | (mask << INDEX_BITS)
-                    xij = vec(xi - x[j])
-                    near = dot(xij, xij) < radius * radius and (j != i or mask > 0)
-                    if wp.static(same_body or selective):
-                        near = near and fits(body[i], body[j], kernel_type[j])
-                    n += wp.where(near, 1, 0)
-        n_neigh[i] = n
-        last = row_end(first, n)
-        if n >= room or last > first + room:
+                u = coordinates(xi, cell_scale)
+                c_y, c_z = wp.floor(u[1]), wp.floor(u[2])
+                for layer in range(layers):
+                    z = layer - wp.static(layers // 2)
+                    above = beyond(real(u[2] - c_z), z)
+                    firsts, lasts = Runs(), Runs()
+                    for p in range(
+                        wp.static(lines)
+                    ):  # unrolled: where runs begin and end is found side by side
+                        y = p - wp.static(lines // 2)
+                        aside = beyond(real(u[1] - c_y), y)
+                        rest = real(1.0) - above * above - aside * aside
+                        if rest > real(0.0):
+                            line = number(0, wp.int32(c_y) + y, wp.int32(c_z) + z, period)
+                            half = place(real(ALONG) * wp.sqrt(rest))
+                            first_1, last_1, first_2, last_2 = runs(cell_start, line, period[0], u[0], half)
+                            firsts[2 * p] = first_1
+                            firsts[2 * p + 1] = first_2
+                            lasts[2 * p] = last_1
+                            lasts[2 * p + 1] = last_2
+                    for r in range(wp.static(2 * lines)):
+                        k = firsts[r] & LARGEST
+                        last_k = lasts[r]
+                        while k < last_k:
+                            j = order[k]
+                            if at < end:
+                                neigh[at] = j | (mask << INDEX_BITS)
+                            xij = vec(xi - x_sorted[k])
+                            near = dot(xij, xij) < radius * radius and (j != i or mask > 0)
+                            if wp.static(same_body or selective):
+                                near = near and fits(body[i], body[j], kernel_type[j])
+                            at += wp.where(near, 1, 0)
+                            k += 1
+        n_neigh[i] = at - first
+        last = row_end(first, at - first)
+        if at >= end or last > end:
             overflow[0] = 1
         else:
-            for k in range(first + n, last):
-                neigh[k] = i
+            while at < last:
+                neigh[at] = i
+                at += 1
 
     @wp.kernel(module=module)
     def reserve(
@@ -112,16 +146,4 @@ def make_neighbours(
         i = wp.tid() + offset
         room[i] = row_end(0, n_neigh[i] + n_neigh[i] / divisor + spare)
 
-    @wp.kernel(module=module)
-    def cell_order(
-        offset: wp.int32,
-        # in:
-        grid: wp.uint64,
-        # out:
-        order: wp.array[wp.int32],
-    ):
-        """order_k = index of the k-th particle in the grid's cell order."""
-        k = wp.tid() + offset
-        order[k] = wp.hash_grid_point_id(grid, k)
-
-    return NeighbourKernels(fill, reserve, cell_order)
+    return NeighbourKernels(fill, reserve)

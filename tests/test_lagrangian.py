@@ -154,7 +154,7 @@ def names(solver):
 
 
 def test_a_pure_lagrangian_step_searches_for_nothing():
-    """No hash grid, no rows, no test of their wear, however far the body flies and turns."""
+    """No search, no rows, no test of their wear, however far the body flies and turns."""
     spin = 2e4 * np.array([0.0, 0.0, 1.0])
     solver = body(2, jittered(2, 10), lambda x: np.cross(spin, x) + np.array([5e3, 0.0, 0.0]), scheme="tl")
     solver.advance(2e-5)

@@ -7,11 +7,12 @@ from tools import PLASTIC, SPACING, by_id, collision, jittered, run, scene
 
 from warpsph import rows
 from warpsph.block import Block
+from warpsph.cells import FEWEST_CELLS, PER_PARTICLE, count_cells
 from warpsph.config import Contact, Conversion
 from warpsph.fields import FIELDS
+from warpsph.kernels.cells import ALONG, FEWEST
 from warpsph.kernels.ledger import SUMS
 from warpsph.memory import GENEROUS, THRIFTY, usage
-from warpsph.rows import FEWEST_CELLS
 from warpsph.solver import Solver
 
 MOST = 700
@@ -137,12 +138,11 @@ def test_cells_fit_the_scene_and_the_number_of_particles(n, extent):
     dim, spacing = len(extent), (np.prod(extent) / n) ** (1.0 / len(extent))
     x = np.zeros((n, 3))
     x[1, :dim] = extent
-    most = max(n, FEWEST_CELLS)
+    most = max(PER_PARTICLE * n, FEWEST_CELLS)
+    needed = np.array([ALONG, 1, 1])[:dim] * extent / (8.0 * spacing)
     for mirrored in ([], [0]):
-        found = rows.cells(x, dim, 4.0 * spacing, mirrored)
-        assert all(count >= 4 and count & (count - 1) == 0 for count in found[:dim]) and found[dim:] == (
-            1,
-        ) * (3 - dim)
-        assert most / 2 < np.prod(found) <= most
+        found = count_cells(x, dim, 8.0 * spacing, mirrored)
+        assert all(c >= few and c & (c - 1) == 0 for c, few in zip(found[:dim], FEWEST, strict=False))
+        assert found[dim:] == (1,) * (3 - dim) and most / 2 < np.prod(found) <= most
         images = [2.0 if axis in mirrored else 1.0 for axis in range(dim)]
-        assert all(c * 4.0 * spacing >= k * size for c, k, size in zip(found, images, extent, strict=False))
+        assert all(c >= k * size for c, k, size in zip(found, images, needed, strict=False))

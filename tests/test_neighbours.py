@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from tools import DOUBLE, ELASTIC, REALS, SPACING, body, by_id, collision, jittered, run, scene
 
+from warpsph import cells
 from warpsph.kernels.mirror import INDEX_BITS
 from warpsph.solver import Solver
 
@@ -57,6 +58,30 @@ def test_rows_hold_every_pair(dim, precision):
     for _ in range(7):  # re-sorted in memory at some of them
         solver.relist()
     assert_complete(solver)
+
+
+@pytest.mark.parametrize("dim", DOUBLE)
+def test_rows_where_cells_repeat_within_the_scene(monkeypatch, dim):
+    monkeypatch.setattr(cells, "PER_PARTICLE", 0)
+    monkeypatch.setattr(cells, "FEWEST_CELLS", 256)
+    solver = body(dim, jittered(dim, {1: 300, 2: 40, 3: 9}[dim]))
+    solver.particles.x.assign(3.0 * solver.particles.x.numpy())
+    solver.relist()
+    turns = (
+        np.ptp(by_id(solver, "x"), axis=0)
+        * solver.neighbours.cells.cell_scale
+        / solver.neighbours.cells.period
+    )
+    assert (turns[:dim] > 1.0).all()
+    assert_complete(solver)
+
+
+@pytest.mark.parametrize("shift", [-1e4, 1e12])
+@pytest.mark.parametrize("dim", DOUBLE)
+def test_rows_far_from_the_origin(dim, shift):
+    """Also where coordinates in cells are too large for an integer: all particles then are in one cell."""
+    x = jittered(dim, {1: 60, 2: 12, 3: 6}[dim]) + shift * SPACING * (np.arange(3) < dim)
+    assert_complete(body(dim, x))
 
 
 @pytest.mark.parametrize("dim", DOUBLE)

@@ -36,7 +36,7 @@ THRIFTY = Policy(lanes=1, divisor=16, spare=2, growth=1.03)
 """On a GPU, where memory bounds the number of particles."""
 
 
-SEARCH = ("neighbours.", "search.", "tiles.", "reference.")
+SEARCH = ("neighbours.", "cells.", "search.", "tiles.", "reference.")
 """Owners of what belongs to neighbour search and rows."""
 
 
@@ -48,8 +48,7 @@ def policy_of(device: wp.Device) -> Policy:
 def usage(solver: "Solver") -> dict[str, int]:
     """Bytes of device memory of every array of a solver, by owner and name, the largest first.
 
-    ``neighbours.block`` holds the rows' entries, and the work space of rebuilding them before; the hash grid's memory is
-    what `warpsph.rows.Rows` asks for. Work space that Warp keeps for itself is not counted.
+    ``neighbours.block`` holds the rows' entries, and the work space of rebuilding them before. Work space that Warp keeps for itself is not counted.
     """
     found: dict[str, int] = {}
     seen: set[int] = set()
@@ -59,8 +58,6 @@ def usage(solver: "Solver") -> dict[str, int]:
             if isinstance(array, wp.array) and array.ptr not in seen and not _borrowed(array):
                 seen.add(array.ptr)
                 found[f"{owner}.{name.lstrip('_')}"] = array.capacity
-        if hasattr(thing, "grid_bytes"):
-            found[f"{owner}.grid"] = thing.grid_bytes
     return dict(sorted(found.items(), key=lambda item: -item[1]))
 
 

@@ -4,12 +4,13 @@ import numpy as np
 import warp as wp
 
 from .block import Block
+from .cells import CellList, count_cells
 from .errors import InputError
 from .kernels.neighbours import make_neighbours
 from .launch import Launcher, Pieces
 from .memory import Policy
 from .particles import Particles
-from .rows import Rows, cells
+from .rows import Rows
 from .tiles import Tiles
 
 SORT_EVERY = 20
@@ -37,7 +38,8 @@ class Neighbours:
         radius: Reach of the rows [m].
         plane: Positions of the symmetry planes normal to x, y, z [m].
         plane_mask: Bits 1, 2, 4: there is a plane normal to x, y, z.
-        search: The rows and the hash grid.
+        cells: The particles by cells of space; while they are searched ``x_listed`` is in their order.
+        search: The rows.
         block: The memory of the entries, and of the work of rebuilding them.
         builds: Number of builds so far.
     """
@@ -84,12 +86,13 @@ class Neighbours:
         self.plane_mask = sum(1 << axis for axis, _ in planes)
         self._kernels = make_neighbours(spec, bool(planes), selective=selective)
         self.block = Block(launcher.device)
-        size = cells(x, spec.dim, self.radius, [axis for axis, _ in planes])
-        self.search = Rows(n, size, spec.place, self._kernels, launcher, policy, self.block)
         with wp.ScopedDevice(launcher.device):
             self.role = wp.zeros(n if selective else 1, dtype=wp.int32)
             self.unlisted = wp.zeros(1, dtype=wp.int32)
             self.x_listed = wp.zeros(n, dtype=spec.point)
+        counts = count_cells(x, spec.dim, self.radius, [axis for axis, _ in planes])
+        self.cells = CellList(n, spec, counts, self.x_listed, launcher)
+        self.search = Rows(n, self.cells, self._kernels, launcher, policy, self.block)
         self.builds = 0
 
     @property
@@ -117,12 +120,10 @@ class Neighbours:
         p = self._particles
         if self.builds > 0 and not self._searching:
             return
-        self.search.grid.build(p.x, self.radius)
+        self._sort()
         if self.builds == 0 or (self.builds % SORT_EVERY == 0 and not self._selective):
-            order, _ = self.block.views((wp.int32, p.n), (p.largest, p.n))
-            self._launcher.launch(self._kernels.cell_order, p.n, grid=self.search.grid, order=order)
-            p.reorder(order, lambda dtype: self.block.views((wp.int32, p.n), (dtype, p.n))[1])
-            self.search.grid.build(p.x, self.radius)
+            p.reorder(self.cells.order, lambda dtype: self.block.views((dtype, p.n))[0])
+            self._sort()
         self.builds += 1
         if not self._searching:
             self.block.release()
@@ -132,6 +133,9 @@ class Neighbours:
         wp.copy(self.x_listed, p.x)
         self.unlisted.zero_()
 
+    def _sort(self) -> None:
+        self.cells.build(self._particles.x, self.radius, self.block)
+
     def _fill(self, radius: float) -> None:
         self.search.fill(self, self._particles, radius=radius)
 
@@ -140,6 +144,6 @@ class Neighbours:
 
         Leaves rows without skin behind: build again before the next step.
         """
-        self.search.grid.build(self._particles.x, self.radius)
+        self._sort()
         self._fill(self.support)
         return self.search.mean_count()

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import warp as wp
 
 from .block import Block
+from .cells import CellList, count_cells
 from .kernels.correction import make_correction
 from .kernels.neighbours import make_neighbours
 from .kernels.reference import make_reference
@@ -13,7 +14,7 @@ from .launch import Command, Launcher
 from .memory import Policy
 from .neighbours import Neighbours
 from .particles import Particles
-from .rows import Rows, cells, lasting
+from .rows import Rows, lasting
 
 
 class Reference:
@@ -69,9 +70,10 @@ class Reference:
         """Find reference neighbours in the particles' present order in memory; `pairs` has to follow."""
         p, spec = self._particles, self._particles.spec
         reach, block = self._neighbours.support, Block(self._launcher.device)
-        size = cells(p.X.numpy(), spec.dim, reach)
-        rows = Rows(p.n, size, spec.place, self._search, self._launcher, self._policy, block)
-        rows.grid.build(p.X, reach)
+        counts = count_cells(p.X.numpy(), spec.dim, reach)
+        cells = CellList(p.n, spec, counts, wp.empty_like(p.X), self._launcher)
+        rows = Rows(p.n, cells, self._search, self._launcher, self._policy, block)
+        cells.build(p.X, reach, block)
         self.rows = block
         rows.fill(self._neighbours, p, x=p.X, radius=reach)
         self.start0, self.n_neigh0, self.neigh0 = rows.start, rows.n_neigh, rows.neigh

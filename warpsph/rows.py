@@ -1,13 +1,13 @@
 """Compressed rows of neighbours: the one structure for present and for reference neighbours."""
 
 import itertools
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import warp as wp
 
 from .block import Block, borrowed
+from .cells import CellList
 from .errors import RunError
 from .kernels.neighbours import NeighbourKernels
 from .launch import Launcher, Pieces
@@ -16,18 +16,15 @@ from .memory import Policy
 LENGTH = 1 << 22
 """Particles whose rows share an array: it has no more than 2^31 entries, hence 500 for each of them."""
 
-MOST_ENTRIES = 2**31 - 1
-"""Entries of an array at most."""
-
-FEWEST_CELLS = 16384
-"""Cells that a hash grid may have however few particles there are; else it has at most one for each."""
+MOST_ENTRIES = 2**31 - 2**24
+"""Entries of an array at most: a search that counts on beyond the last row's end stays below 2^31."""
 
 
 class Rows:
-    """Neighbours of every particle, found with a hash grid.
+    """Neighbours of every particle, found among the cells of a `CellList`.
 
     Attributes:
-        grid: The hash grid, as it was last built.
+        cells: The particles by cells, as they were last sorted.
         start: Row offsets, shape [n + 1], int32; `Pieces` of these if there are more than `LENGTH` particles.
         neigh: Entries (particle index and mirror bits), shape [capacity], int32, in pieces as ``start`` is.
         n_neigh: Entries in use in each row, shape [n], int32.
@@ -37,8 +34,7 @@ class Rows:
     def __init__(
         self,
         n: int,
-        size: tuple[int, int, int],
-        place: type,
+        cells: CellList,
         kernels: NeighbourKernels,
         launcher: Launcher,
         policy: Policy,
@@ -48,18 +44,15 @@ class Rows:
 
         Args:
             n: Number of particles.
-            size: Cells of the hash grid, see `cells`.
-            place: Scalar type of positions.
+            cells: What neighbours are looked up in.
             kernels: The search.
             launcher: The device.
             policy: Room of the rows.
             block: Where the entries go.
         """
-        self._n, self._cells = n, size
+        self._n, self.cells = n, cells
         self._kernels, self._launcher, self._policy, self._block = kernels, launcher, policy, block
         with wp.ScopedDevice(launcher.device):
-            self.grid = wp.HashGrid(*size, dtype=place)
-            self.grid.reserve(-(-2 * n // 3))  # the grid makes half as much room again as it is asked for
             self._overflow = wp.zeros(1, dtype=wp.int32)
             self._starts = wp.zeros(n + len(self._cuts()), dtype=wp.int32)
             self.n_neigh = wp.zeros(n, dtype=wp.int32)
@@ -101,11 +94,6 @@ class Rows:
         views = (borrowed(words, 4 * k, wp.int32, self._n + 1) for k in pieces)
         return Pieces(tuple(views), LENGTH)
 
-    @property
-    def grid_bytes(self) -> int:
-        """Memory of the hash grid: cell and index of each particle, twice, and where each cell starts and ends."""
-        return 4 * (2 * 2 * self._n + 2 * int(np.prod(self._cells)))
-
     def fill(self, *sources: object, **named: object) -> None:
         """Find every neighbour; the arguments are those of the kernel.
 
@@ -119,7 +107,7 @@ class Rows:
     def _run(self, sources: tuple, named: dict) -> None:
         self._overflow.zero_()
         self._launcher.launch(
-            self._kernels.fill, self._n, self, *sources, grid=self.grid, overflow=self._overflow, **named
+            self._kernels.fill, self._n, self, self.cells, *sources, overflow=self._overflow, **named
         )
 
     def _enlarge(self) -> None:
@@ -138,7 +126,7 @@ class Rows:
             starts = self._starts[first + k : last + k + 1]
             wp.utils.array_scan(room[first + k : last + k + 1], starts, inclusive=False)
             totals.append(int(starts[last - first :].numpy()[0]))
-        if min(totals) < 0:
+        if min(totals) < 0 or max(totals) > MOST_ENTRIES:
             most = min(LENGTH, self._n)
             raise RunError(f"the neighbour rows of {most} particles need more than {MOST_ENTRIES} entries")
         if any(total > room for total, room in zip(totals, self._rooms, strict=True)):
@@ -154,26 +142,3 @@ class Rows:
 def lasting(policy: Policy) -> Policy:
     """The same policy for rows that are filled once: no room to grow but the place that the search needs."""
     return replace(policy, divisor=1 << 30, spare=1, growth=1.0)
-
-
-def cells(x: np.ndarray, dim: int, radius: float, mirrored: Sequence[int] = ()) -> tuple[int, int, int]:
-    """Cells of a hash grid along x, y and z, powers of two, in the proportions of the scene.
-
-    The grid wraps around, so a scene that outgrows it only costs a few more distance checks. Cells are cleared at every
-    rebuild and take memory, so there are no more than one for each particle (but always `FEWEST_CELLS`); what is left
-    of these makes room for the scene to grow.
-
-    Args:
-        x: Positions at the start [m], shape [n, 3].
-        dim: Space dimension.
-        radius: Reach of the rows, the width of a cell [m].
-        mirrored: Axes normal to symmetry planes: images take as much room again.
-    """
-    extent, most = np.ptp(x, axis=0)[:dim], max(len(x), FEWEST_CELLS)
-    extent[list(mirrored)] *= 2.0
-    counts = [1 << max(int(np.ceil(np.log2(max(size / radius, 1.0)))), 2) for size in extent]
-    while np.prod(counts) > most:
-        counts[int(np.argmax(counts))] //= 2
-    while 2 * np.prod(counts) <= most:
-        counts[int(np.argmin(counts))] *= 2
-    return tuple(counts + [1] * (3 - len(counts)))

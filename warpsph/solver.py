@@ -161,7 +161,7 @@ class Solver:
 
     def _kernels(self) -> set[wp.Kernel]:
         """The kernels of this run, launched or of one module with those that are."""
-        found = kernels_of(self, self._scheme, self.neighbours) | set(make_sort(self._spec).values())
+        found = kernels_of(self, self._scheme, self.neighbours, self.neighbours.cells) | set(make_sort(self._spec).values())
         if self.reference is not None:
             found |= kernels_of(self.reference)
         tiles = kernels_of(self.neighbours.tiles)
@@ -279,7 +279,7 @@ class Solver:
         """Everything that holds device arrays as attributes, by name (see `warpsph.memory.usage`)."""
         found = {"particles": self.particles, "work": self._work, "clock": self._clock}
         found |= {"neighbours": self.neighbours, "tiles": self.neighbours.tiles}
-        found |= {"search": self.neighbours.search}
+        found |= {"cells": self.neighbours.cells, "search": self.neighbours.search}
         if self.reference is not None:
             found["reference"] = self.reference
         return found
