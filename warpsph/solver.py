@@ -161,11 +161,11 @@ class Solver:
 
     def _kernels(self) -> set[wp.Kernel]:
         """The kernels of this run, launched or of one module with those that are."""
-        found = kernels_of(self, self._scheme, self.neighbours, self.neighbours.cells) | set(make_sort(self._spec).values())
+        found = kernels_of(self, self._scheme, self.neighbours.cells) | set(make_sort(self._spec).values())
         if self.reference is not None:
             found |= kernels_of(self.reference)
-        tiles = kernels_of(self.neighbours.tiles)
-        return found | tiles if self._scheme.searching else found - tiles
+        search = kernels_of(self.neighbours, self.neighbours.tiles)
+        return found | search if self._scheme.searching else found - search
 
     def _run_still(self, commands: list[Command]) -> None:
         """Run launches outside of a step, with the velocity gradient as it is (zero at the start)."""
