@@ -6,6 +6,7 @@ from typing import NamedTuple
 import warp as wp
 
 from .kernel_type import LAGRANGIAN
+from .lanes import make_lanes
 from .mirror import make_mirror
 from .spec import Spec
 from .tensor import make_tensor
@@ -34,11 +35,15 @@ class DeformationKernels(NamedTuple):
 @functools.cache
 def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKernels:
     """Build the kernels for one specialisation; ``corrected``: gradients are, in the reference configuration."""
-    real, vec, mat, point, dim = s.real, s.vec, s.mat, s.point, s.dim
+    real, vec, mat, place, point, dim = s.real, s.vec, s.mat, s.place, s.point, s.dim
     mirror, unpack = make_mirror(s, planes), make_tensor(s).unpack
     half, zero, one, smallest = real(0.5), real(0.0), real(1.0), real(SMALLEST_J)
     mismatch, contraction2 = real(LARGEST_MISMATCH), real(LARGEST_CONTRACTION**2)
-    module = s.module(__name__, "_".join(filter(None, ("corrected" * corrected, "planes" * planes))))
+    options = ("corrected" * corrected, "planes" * planes)
+    module = s.module(__name__, "_".join(filter(None, options)))
+    over_lanes = s.module(__name__, "_".join(filter(None, ("rate", *options))), lanes=True)
+    lanes = make_lanes(s)
+    at, spot, row_end = lanes.at, lanes.spot, lanes.row_end
 
     @wp.func
     def serves(F: mat, J_of_matter: real):
@@ -46,12 +51,12 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         ratio, inverse = wp.determinant(F) / J_of_matter, wp.inverse(F)
         return ratio < mismatch and ratio * mismatch > one and wp.ddot(inverse, inverse) < contraction2
 
-    @wp.kernel(module=module)
+    @wp.kernel(module=over_lanes)
     def rate(
         offset: wp.int32,
         # in:
-        X: wp.array[point],
-        v: wp.array[vec],
+        X: wp.array2d[place],
+        v: wp.array2d[real],
         kernel_type: wp.array[wp.int32],
         interface: wp.array[wp.int32],
         G0: wp.array[vec],
@@ -72,17 +77,19 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         if kernel_type[i] != LAGRANGIAN and interface[i] == 0:
             return
         first = start0[i]
-        Xi, vi = X[i], v[i]
+        last = row_end(first, n_neigh0[i])
+        Xi, vi = spot(X, i), at(v, i)
         # scalars, not a matrix: the compiler keeps them in registers
         xx, xy, xz = real(0.0), real(0.0), real(0.0)
         yx, yy, yz = real(0.0), real(0.0), real(0.0)
         zx, zy, zz = real(0.0), real(0.0), real(0.0)
         wx, wy, wz = real(0.0), real(0.0), real(0.0)
-        for k in range(first, first + n_neigh0[i]):
+        k = wp.int32(first)
+        while k < last:  # the slopes of what fills up the row are 0
             j = mirror.index(neigh0[k])
             sign = mirror.sign(neigh0[k])
-            u = mirror.vector(v[j], sign) - vi
-            g = slope0[k] * mirror.apart(Xi, X[j], sign, plane)
+            u = mirror.vector(at(v, j), sign) - vi
+            g = slope0[k] * mirror.apart(Xi, spot(X, j), sign, plane)
             xx += u[0] * g[0]
             if wp.static(dim > 1):
                 xy += u[0] * g[1]
@@ -100,6 +107,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
                     wy += w0[k] * u[1]
                 if wp.static(dim > 2):
                     wz += w0[k] * u[2]
+            k += 1
         found = mat(xx, xy, xz, yx, yy, yz, zx, zy, zz)
         if wp.static(corrected):
             found -= wp.outer(vec(wx, wy, wz), G0[i])

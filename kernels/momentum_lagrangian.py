@@ -7,6 +7,7 @@ import warp as wp
 
 from .hourglass import make_hourglass
 from .kernel_type import ERODED, LAGRANGIAN
+from .lanes import make_lanes
 from .mirror import make_mirror
 from .parts import HOURGLASS, VISCOUS, Parts, part_types
 from .parts import tag as tag_of
@@ -50,12 +51,15 @@ class LagrangianTerms:
 @functools.cache
 def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTerms) -> wp.Kernel:
     """Build the momentum and energy loop for one set of terms."""
-    real, vec, matrix, point = s.real, s.vec, s.mat, s.point
+    real, vec, matrix, place, point = s.real, s.vec, s.mat, s.place, s.point
     mirror, tensor, viscosity = make_mirror(s, terms.planes), make_tensor(s), make_viscosity(s)
     Accelerations, Powers = part_types(s, len(terms.parts))
     viscous, zero_energy = (terms.parts.index(p) if p in terms.parts else 0 for p in (VISCOUS, HOURGLASS))
     restoring, w = make_hourglass(s), smoothing.w
     dot, product, half, zero, dim = tensor.dot, tensor.product, real(0.5), real(0.0), s.dim
+    lanes = make_lanes(s)
+    at, spot, raised, value = lanes.at, lanes.spot, lanes.raised, lanes.value
+    row_end, Bits = lanes.row_end, lanes.Bits
     coupled, controlled = terms.coupled, terms.hourglass
 
     @wp.func
@@ -70,13 +74,13 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
             return rho[i] * thickness[i]
         return rho[i]
 
-    @wp.kernel(module=s.module(__name__, "_".join(p for p in (smoothing.name, terms.tag) if p)))
+    @wp.kernel(module=s.module(__name__, "_".join(p for p in (smoothing.name, terms.tag) if p), lanes=True))
     def momentum_lagrangian(
         offset: wp.int32,
         # in:
-        x: wp.array[point],
-        X: wp.array[point],
-        v: wp.array[vec],
+        x: wp.array2d[place],
+        X: wp.array2d[place],
+        v: wp.array2d[real],
         m: wp.array[real],
         vol0: wp.array[real],
         rho: wp.array[real],
@@ -86,7 +90,7 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
         F: wp.array[matrix],
         cof: wp.array[matrix],
         P: wp.array[matrix],
-        G0: wp.array[vec],
+        G0: wp.array2d[real],
         mat: wp.array[wp.int32],
         stiffness: wp.array[real],
         kernel_type: wp.array[wp.int32],
@@ -125,28 +129,30 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
             if not lagrangian and (wp.static(not terms.mutual) or interface[i] == 0):
                 return
         first = start0[i]
-        count = wp.where(kernel_type[i] == ERODED, 0, n_neigh0[i])
-        xi, vi, P_i = x[i], v[i], P[i]
+        last = row_end(first, wp.where(kernel_type[i] == ERODED, 0, n_neigh0[i]))
+        xi, vi, P_i, cof_i = spot(x, i), at(v, i), P[i], cof[i]
         rho_i, cs_i, areal_i = rho[i], cs[i], areal(rho, thickness, i)
         # scalars, not vectors: the compiler keeps them in registers
-        f_x, f_y, f_z, power, mu_max = real(0.0), real(0.0), real(0.0), real(0.0), real(0.0)
+        f_x, f_y, f_z, power = real(0.0), real(0.0), real(0.0), real(0.0)
         visc_x, visc_y, visc_z, visc_power = real(0.0), real(0.0), real(0.0), real(0.0)
         zero_x, zero_y, zero_z, zero_power = real(0.0), real(0.0), real(0.0), real(0.0)
-        for k in range(first, first + count):
+        mu_top = Bits(0)
+        k = wp.int32(first)
+        while k < last:
             j = mirror.index(neigh0[k])
-            if wp.static(terms.erosion):
-                if kernel_type[j] == ERODED:
-                    continue
-            if wp.static(coupled):
-                if not lagrangian and kernel_type[j] != LAGRANGIAN:
-                    continue
             sign = mirror.sign(neigh0[k])
-            own = slope0[k] * mirror.apart(X[i], X[j], sign, plane)
+            counts = neigh0[k] != i
+            if wp.static(terms.erosion):
+                counts = counts and kernel_type[j] != ERODED
+            if wp.static(coupled):
+                counts = counts and (lagrangian or kernel_type[j] == LAGRANGIAN)
+            own = wp.where(counts, real(slope0[k]), zero) * mirror.apart(spot(X, i), spot(X, j), sign, plane)
             back = -own
             if wp.static(terms.corrected):
-                own -= w0[k] * G0[i]
-                back -= w0[k] * mirror.vector(G0[j], sign)
-            vji = mirror.vector(v[j], sign) - vi
+                weight = wp.where(counts, real(w0[k]), zero)
+                own -= weight * at(G0, i)
+                back -= weight * mirror.vector(at(G0, j), sign)
+            vji = mirror.vector(at(v, j), sign) - vi
             stress = of_image(P[j], back, sign)
             f_x -= stress[0]
             if wp.static(dim > 1):
@@ -162,34 +168,34 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                         f_y += inner[1]
                     if wp.static(dim > 2):
                         f_z += inner[2]
-            xij = mirror.apart(xi, x[j], sign, plane)
-            closing = -dot(vji, xij)
-            if closing < zero:
-                mu_ij = viscosity.approach(closing, dot(xij, xij), h)
-                mu_max = wp.max(mu_max, -mu_ij)
-                pi_ij = viscosity.pressure(
-                    mu_ij, half * (cs_i + cs[j]), half * (rho_i + rho[j]), viscosity_alpha, viscosity_beta
-                )
-                area = of_image(cof[j], back, sign) - product(cof[i], own)
-                drag = (half * pi_ij * areal_i * areal(rho, thickness, j)) * area
-                visc_power += dot(vji, drag)
-                visc_x += drag[0]
-                if wp.static(dim > 1):
-                    visc_y += drag[1]
-                if wp.static(dim > 2):
-                    visc_z += drag[2]
+            xij = mirror.apart(xi, spot(x, j), sign, plane)
+            mu_ij = viscosity.approach(wp.where(counts, -dot(vji, xij), zero), dot(xij, xij), h)
+            mu_top = raised(mu_top, -mu_ij)
+            pi_ij = viscosity.pressure(
+                mu_ij, half * (cs_i + cs[j]), half * (rho_i + rho[j]), viscosity_alpha, viscosity_beta
+            )
+            area = of_image(cof[j], back, sign) - product(cof_i, own)
+            drag = (half * pi_ij * areal_i * areal(rho, thickness, j)) * area
+            visc_power += dot(vji, drag)
+            visc_x += drag[0]
+            if wp.static(dim > 1):
+                visc_y += drag[1]
+            if wp.static(dim > 2):
+                visc_z += drag[2]
             if wp.static(controlled):
-                Xij = mirror.apart(X[i], X[j], sign, plane)
+                Xij = mirror.apart(spot(X, i), spot(X, j), sign, plane)
                 r0, r = wp.sqrt(dot(Xij, Xij)), wp.sqrt(dot(xij, xij))
                 E_i, E_j = stiffness[mat[i]], stiffness[mat[j]]
                 size = restoring(Xij, xij, F[i], mirror.tensor(F[j], sign), w(r0, h), hourglass, E_i, E_j)
-                push = (vol0[j] * size / wp.max(r, real(1.0e-6) * h)) * xij
+                push = wp.where(counts, vol0[j] * size / wp.max(r, real(1.0e-6) * h), zero) * xij
                 zero_power += dot(vji, push)
                 zero_x += push[0]
                 if wp.static(dim > 1):
                     zero_y += push[1]
                 if wp.static(dim > 2):
                     zero_z += push[2]
+            k += 1
+        mu_max = value(mu_top)
         if lagrangian:
             inner = product(P_i, q0_sum[i])
             f_x += inner[0]

@@ -170,9 +170,11 @@ def test_everything_is_measured(quick, checkout, tmp_path):
     )
     for done in record["trials"]:
         assert len(done["ns_per_particle_step"]) == 2 and min(done["ns_per_particle_step"]) > 0.0
-        assert done["pairs_per_s"] == pytest.approx(done["particle_steps_per_s"] * done["mean_neighbours"])
+        assert done["pairs_per_s"] == pytest.approx(
+            done["particle_steps_per_s"] * done["mean_neighbours"], rel=1e-4
+        )
         assert done["bytes_per_particle"] > done["list_bytes_per_particle"] > 0.0
-        assert sum(kernel["share"] for kernel in done["kernels"]) == pytest.approx(1.0)
+        assert sum(kernel["share"] for kernel in done["kernels"]) == pytest.approx(1.0, rel=1e-4)
         assert done["scene_s"] > 0.0 and done["solver_s"] > 0.0 and done["snapshot_s"] > 0.0
         assert done["commit"] and done["date"]
     forces = next(kernel for kernel in tl["kernels"] if kernel["name"] == "momentum_lagrangian")

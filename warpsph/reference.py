@@ -81,10 +81,12 @@ class Reference:
         self.slopes, self.weights = Block(self._launcher.device), Block(self._launcher.device)
         words = wp.types.type_size_in_bytes(spec.real) // 4
         self.slopes.grow(rows.capacity * words)
+        self.slopes.lines.zero_()  # what fills up a row counts nothing
         self.slope0 = rows.by_entry(self.slopes, spec.real)
         self.w0 = self.weights.view(spec.real, 0, 1)
         if self._corrected:
             self.weights.grow(rows.capacity * words)
+            self.weights.lines.zero_()
             self.w0 = rows.by_entry(self.weights, spec.real)
 
     def pairs(self, bind: Callable[..., Command], when: str) -> list[Command]:

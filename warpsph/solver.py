@@ -164,8 +164,8 @@ class Solver:
         found = kernels_of(self, self._scheme, self.neighbours.cells) | set(make_sort(self._spec).values())
         if self.reference is not None:
             found |= kernels_of(self.reference)
-        searching = kernels_of(self.neighbours, self.neighbours.tiles)
-        return found | searching if self._scheme.searching else found - searching
+        search = kernels_of(self.neighbours, self.neighbours.tiles)
+        return found | search if self._scheme.searching else found - search
 
     def _run_still(self, commands: list[Command]) -> None:
         """Run launches outside of a step, with the velocity gradient as it is (zero at the start)."""

@@ -2,7 +2,6 @@
 
 import gc
 import itertools
-import json as json_format
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
@@ -91,7 +90,8 @@ def bench(
         except ImportError as error:
             say(f"no picture: {error}")
     return "\n\n".join(
-        f"{title}\n{table(rows, header)}" for title, header, rows in performance.tables(record)
+        f"{title}\n{table(rows, header)}"
+        for title, header, rows in performance.tables(performance.rounded(record))
     )
 
 
@@ -165,4 +165,4 @@ def _real(precision: str) -> type:
 
 def _write(path: Path | None, record: dict[str, Any]) -> None:
     if path is not None:
-        atomic.write(Path(path), json_format.dumps(record, indent=1).encode())
+        atomic.write(Path(path), performance.text(record).encode())

@@ -62,8 +62,24 @@ def add(root: Path, record: dict[str, Any]) -> None:
     path = root / FOLDER / f"{_slug(record['facts']['device'])}.json"
     path.parent.mkdir(exist_ok=True)
     known = read(path) if path.is_file() else {}
-    atomic.write(path, json.dumps(merged(known, record), indent=1).encode())
+    atomic.write(path, text(merged(known, record)).encode())
     draw(root)
+
+
+def text(record: dict[str, Any]) -> str:
+    """Results as JSON, a trial a line, numbers to five digits."""
+    head = json.dumps(rounded({name: value for name, value in record.items() if name != "trials"}), indent=1)
+    trials = ",\n".join(json.dumps(rounded(trial)) for trial in record["trials"])
+    return head.removesuffix("\n}") + f',\n "trials": [\n{trials}\n ]\n}}\n'
+
+
+def rounded(value: Any) -> Any:
+    """Something of JSON with its numbers rounded."""
+    if isinstance(value, dict):
+        return {name: rounded(inner) for name, inner in value.items()}
+    if isinstance(value, list):
+        return [rounded(inner) for inner in value]
+    return float(f"{value:.5g}") if isinstance(value, float) else value
 
 
 def merged(known: dict[str, Any], new: dict[str, Any]) -> dict[str, Any]:

@@ -2,8 +2,7 @@
 
 Bytes are those that a loop asks for. Neighbours are shared between particles, so that most of them come from a cache:
 a loop that asks for more than the memory delivers is not a mistake. Arithmetic is counted by hand in the kernels, each
-addition, multiplication, division, root and comparison as one; in `momentum_lagrangian`, which asks, half of the pairs
-approach each other.
+addition, multiplication, division, root and comparison as one.
 """
 
 from collections import Counter
@@ -68,8 +67,8 @@ LOOPS = {
     "velocity_gradient": PairLoop(1, 2, 0, 0, 1, (14, 6, 2)),
     # X v, slope0
     "rate": PairLoop(1, 2, 0, 0, 1, (0, 3, 2), lagrangian=True),
-    # X v x, P, slope0; of half of the pairs cof, cs rho
-    "momentum_lagrangian": PairLoop(2, 3, 0, 1.5, 1, (9, 9.5, 4), lagrangian=True),
+    # X v x, P cof, slope0 cs rho
+    "momentum_lagrangian": PairLoop(3, 3, 0, 2, 1, (18, 12, 6), lagrangian=True),
     # x v tau, vol p rho
     "deviatoric": PairLoop(3, 2, 1, 0, 1, (18, 12, 3)),
     # x v_start grad_p grad_rho dvdx, p rho cs cl vol A_shock, mat
