@@ -9,7 +9,7 @@ import functools
 import warp as wp
 
 from .coupling import make_counts
-from .lanes import make_lanes
+from .lanes import make_get, make_lanes
 from .mirror import make_mirror
 from .smoothing import Smoothing
 from .spec import Spec
@@ -37,11 +37,12 @@ def make_correction(
         separate: Neighbours of another body do not count.
         coupled: There are Lagrangian particles: eroded ones do not count.
     """
-    real, vec, mat, place, point, dim = s.real, s.vec, s.mat, s.place, s.point, s.dim
+    real, vec, mat, point, dim = s.real, s.vec, s.mat, s.point, s.dim
     mirror, tensor = make_mirror(s, planes), make_tensor(s)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
+    spot, get, entry = make_get(point), make_get(real), make_get(wp.int32)
     lanes = make_lanes(s)
-    spot, worth, row_end = lanes.spot, lanes.worth, lanes.row_end
+    worth, row_end = lanes.worth, lanes.row_end
     bound, counts, zero = real(CONDITION), make_counts(separate, coupled), real(0.0)
     options = (smoothing.name, "planes" * planes, "separate" * separate, "coupled" * coupled)
 
@@ -64,7 +65,7 @@ def make_correction(
     def correction(
         offset: wp.int32,
         # in:
-        x: wp.array2d[place],
+        x: wp.array[point],
         vol: wp.array[real],
         body: wp.array[wp.int32],
         kernel_type: wp.array[wp.int32],
@@ -92,12 +93,16 @@ def make_correction(
         neighbours = wp.int32(0)
         k = wp.int32(first)
         while k < last:
-            j = mirror.index(neigh[k])
-            xij = mirror.apart(xi, spot(x, j), mirror.sign(neigh[k]), plane)
+            j = mirror.index(entry(neigh, k))
+            xij = mirror.apart(xi, spot(x, j), mirror.sign(entry(neigh, k)), plane)
             r2 = tensor.dot(xij, xij)
-            near = r2 < r_max2 and neigh[k] != i and counts(body[i], body[j], kernel_type[j])
+            near = (
+                r2 < r_max2
+                and entry(neigh, k) != i
+                and counts(body[i], entry(body, j), entry(kernel_type, j))
+            )
             if worth(near):
-                r, V_j = wp.sqrt(r2), wp.where(near, real(vol[j]), zero)
+                r, V_j = wp.sqrt(r2), wp.where(near, real(get(vol, j)), zero)
                 shepard += V_j * w(r, h)
                 slope = V_j * dw_r(r, h)
                 G_x += slope * xij[0]
@@ -111,12 +116,16 @@ def make_correction(
         zx, zy, zz = real(0.0), real(0.0), real(0.0)
         k = wp.int32(first)
         while k < last:
-            j = mirror.index(neigh[k])
-            xij = mirror.apart(xi, spot(x, j), mirror.sign(neigh[k]), plane)
+            j = mirror.index(entry(neigh, k))
+            xij = mirror.apart(xi, spot(x, j), mirror.sign(entry(neigh, k)), plane)
             r2 = tensor.dot(xij, xij)
-            near = r2 < r_max2 and neigh[k] != i and counts(body[i], body[j], kernel_type[j])
+            near = (
+                r2 < r_max2
+                and entry(neigh, k) != i
+                and counts(body[i], entry(body, j), entry(kernel_type, j))
+            )
             if worth(near):
-                r, V_j = wp.sqrt(r2), wp.where(near, real(vol[j]), zero)
+                r, V_j = wp.sqrt(r2), wp.where(near, real(get(vol, j)), zero)
                 u = V_j * (dw_r(r, h) * xij - w(r, h) * log_G)
                 xx -= u[0] * xij[0]
                 if wp.static(dim > 1):

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import warp as wp
 
 from .kernel_type import LAGRANGIAN
-from .lanes import make_lanes
+from .lanes import make_get, make_lanes
 from .mirror import make_mirror
 from .spec import Spec
 from .tensor import make_tensor
@@ -35,15 +35,16 @@ class DeformationKernels(NamedTuple):
 @functools.cache
 def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKernels:
     """Build the kernels for one specialisation; ``corrected``: gradients are, in the reference configuration."""
-    real, vec, mat, place, point, dim = s.real, s.vec, s.mat, s.place, s.point, s.dim
+    real, vec, mat, point, dim = s.real, s.vec, s.mat, s.point, s.dim
     mirror, unpack = make_mirror(s, planes), make_tensor(s).unpack
     half, zero, one, smallest = real(0.5), real(0.0), real(1.0), real(SMALLEST_J)
     mismatch, contraction2 = real(LARGEST_MISMATCH), real(LARGEST_CONTRACTION**2)
     options = ("corrected" * corrected, "planes" * planes)
     module = s.module(__name__, "_".join(filter(None, options)))
     over_lanes = s.module(__name__, "_".join(filter(None, ("rate", *options))), lanes=True)
+    at, spot, get, entry = make_get(vec), make_get(point), make_get(real), make_get(wp.int32)
     lanes = make_lanes(s)
-    at, spot, row_end = lanes.at, lanes.spot, lanes.row_end
+    row_end = lanes.row_end
 
     @wp.func
     def serves(F: mat, J_of_matter: real):
@@ -55,8 +56,8 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
     def rate(
         offset: wp.int32,
         # in:
-        X: wp.array2d[place],
-        v: wp.array2d[real],
+        X: wp.array[point],
+        v: wp.array[vec],
         kernel_type: wp.array[wp.int32],
         interface: wp.array[wp.int32],
         G0: wp.array[vec],
@@ -86,10 +87,10 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         wx, wy, wz = real(0.0), real(0.0), real(0.0)
         k = wp.int32(first)
         while k < last:  # the slopes of what fills up the row are 0
-            j = mirror.index(neigh0[k])
-            sign = mirror.sign(neigh0[k])
+            j = mirror.index(entry(neigh0, k))
+            sign = mirror.sign(entry(neigh0, k))
             u = mirror.vector(at(v, j), sign) - vi
-            g = slope0[k] * mirror.apart(Xi, spot(X, j), sign, plane)
+            g = get(slope0, k) * mirror.apart(Xi, spot(X, j), sign, plane)
             xx += u[0] * g[0]
             if wp.static(dim > 1):
                 xy += u[0] * g[1]
@@ -102,11 +103,11 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
                 zy += u[2] * g[1]
                 zz += u[2] * g[2]
             if wp.static(corrected):
-                wx += w0[k] * u[0]
+                wx += get(w0, k) * u[0]
                 if wp.static(dim > 1):
-                    wy += w0[k] * u[1]
+                    wy += get(w0, k) * u[1]
                 if wp.static(dim > 2):
-                    wz += w0[k] * u[2]
+                    wz += get(w0, k) * u[2]
             k += 1
         found = mat(xx, xy, xz, yx, yy, yz, zx, zy, zz)
         if wp.static(corrected):

@@ -5,7 +5,7 @@ import functools
 import warp as wp
 
 from .correction import make_gradient
-from .lanes import make_lanes
+from .lanes import make_get, make_lanes
 from .mirror import make_mirror
 from .smoothing import Smoothing
 from .spec import Spec
@@ -15,13 +15,21 @@ from .tensor import make_tensor
 @functools.cache
 def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, planes: bool) -> wp.Kernel:
     """Build the loop; for second order it also leaves the slopes of pressure and density, and if asked the pairs."""
-    real, vec, matrix, place, point = s.real, s.vec, s.mat, s.place, s.point
+    real, vec, matrix, point = s.real, s.vec, s.mat, s.point
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     dot, act = tensor.dot, tensor.act
     zero, half = real(0.0), real(0.5)
+    at, spot, get, entry, sym, tensor_at = (
+        make_get(vec),
+        make_get(point),
+        make_get(real),
+        make_get(wp.int32),
+        make_get(s.sym),
+        make_get(s.mat),
+    )
     lanes = make_lanes(s)
-    at, spot, worth, row_end = lanes.at, lanes.spot, lanes.worth, lanes.row_end
+    worth, row_end = lanes.worth, lanes.row_end
     dim, on = s.dim, wp.constant(int(corrected))
     options = (smoothing.name, f"order{order}", "corrected" * corrected, "planes" * planes)
 
@@ -29,15 +37,15 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
     def deviatoric(
         offset: wp.int32,
         # in:
-        x: wp.array2d[place],
-        v: wp.array2d[real],
+        x: wp.array[point],
+        v: wp.array[vec],
         m: wp.array[real],
         rho: wp.array[real],
         vol: wp.array[real],
         p: wp.array[real],
         tau: wp.array[s.sym],
         K: wp.array[matrix],
-        G: wp.array2d[real],
+        G: wp.array[vec],
         h: real,
         gradient_ratio: real,
         plane: point,
@@ -72,25 +80,25 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
         rho_x, rho_y, rho_z = real(0.0), real(0.0), real(0.0)
         k = wp.int32(first)
         while k < last:
-            j = mirror.index(neigh[k])
-            sign = mirror.sign(neigh[k])
+            j = mirror.index(entry(neigh, k))
+            sign = mirror.sign(entry(neigh, k))
             xij = mirror.apart(xi, spot(x, j), sign, plane)
             r2 = dot(xij, xij)
-            near = r2 < r_max2 and neigh[k] != i
+            near = r2 < r_max2 and entry(neigh, k) != i
             if worth(near):
                 r = wp.sqrt(r2)
                 dw, w_ij = wp.where(near, dw_r(r, h), zero), zero
                 if wp.static(corrected):
                     w_ij = wp.where(near, w(r, h), zero)
-                g_ij = of_pair(xij, dw, w_ij, K[own], at(G, own), h, gradient_ratio)
-                tau_j = mirror.symmetric(tau[j], sign)
+                g_ij = of_pair(xij, dw, w_ij, tensor_at(K, own), at(G, own), h, gradient_ratio)
+                tau_j = mirror.symmetric(sym(tau, j), sign)
                 f = act(tau_i + tau_j, g_ij)
                 if wp.static(corrected):
                     other = j * on
-                    K_j, G_j = mirror.tensor(K[other], sign), mirror.vector(at(G, other), sign)
+                    K_j, G_j = mirror.tensor(tensor_at(K, other), sign), mirror.vector(at(G, other), sign)
                     g_ji = of_pair(-xij, dw, w_ij, K_j, G_j, h, gradient_ratio)
                     f = act(tau_i, g_ij) - act(tau_j, g_ji)
-                f *= vol[j]
+                f *= get(vol, j)
                 power += half * dot(f, mirror.vector(at(v, j), sign) - vi)
                 f_x += f[0]
                 if wp.static(dim > 1):
@@ -98,7 +106,7 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
                 if wp.static(dim > 2):
                     f_z += f[2]
                 if wp.static(order == 2):
-                    dp, drho = vol[j] * (p[j] - p_i), vol[j] * (rho[j] - rho_i)
+                    dp, drho = get(vol, j) * (get(p, j) - p_i), get(vol, j) * (get(rho, j) - rho_i)
                     p_x += dp * g_ij[0]
                     rho_x += drho * g_ij[0]
                     if wp.static(dim > 1):

@@ -7,7 +7,7 @@ import warp as wp
 
 from .correction import make_gradient
 from .interface import make_interface
-from .lanes import make_lanes
+from .lanes import make_get, make_lanes
 from .limiters import make_limiter
 from .material import make_material
 from .mirror import make_mirror
@@ -46,22 +46,21 @@ def make_hydrodynamic(
     s: Spec, smoothing: Smoothing, states: Reconstruction, corrected: bool, planes: bool
 ) -> wp.Kernel:
     """Build the loop."""
-    real, vec, matrix, place, point = s.real, s.vec, s.mat, s.place, s.point
+    real, vec, matrix, point = s.real, s.vec, s.mat, s.point
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     side, interface = make_interface(s, states.riemann)
     Material = make_material(s)
     limited = make_limiter(s, states.limiter, states.jump)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    lanes = make_lanes(s)
-    at, spot, taken, raised, value, row_end, Bits = (
-        lanes.at,
-        lanes.spot,
-        lanes.worth,
-        lanes.raised,
-        lanes.value,
-        lanes.row_end,
-        lanes.Bits,
+    at, spot, get, entry, tensor_at = (
+        make_get(vec),
+        make_get(point),
+        make_get(real),
+        make_get(wp.int32),
+        make_get(s.mat),
     )
+    lanes = make_lanes(s)
+    taken, raised, value, row_end, Bits = lanes.worth, lanes.raised, lanes.value, lanes.row_end, lanes.Bits
     dot, quadratic = tensor.dot, tensor.quadratic
     zero, half, one, two = real(0.0), real(0.5), real(1.0), real(2.0)
     dim, on, second, fragile = s.dim, wp.constant(int(corrected)), states.order == 2, states.fragile
@@ -77,9 +76,9 @@ def make_hydrodynamic(
     def hydrodynamic(
         offset: wp.int32,
         # in:
-        x: wp.array2d[place],
-        v: wp.array2d[real],
-        v_start: wp.array2d[real],
+        x: wp.array[point],
+        v: wp.array[vec],
+        v_start: wp.array[vec],
         m: wp.array[real],
         rho: wp.array[real],
         vol: wp.array[real],
@@ -87,13 +86,13 @@ def make_hydrodynamic(
         cs: wp.array[real],
         cl: wp.array[real],
         dvdx: wp.array[matrix],
-        grad_p: wp.array2d[real],
-        grad_rho: wp.array2d[real],
+        grad_p: wp.array[vec],
+        grad_rho: wp.array[vec],
         D: wp.array[real],
         mat: wp.array[wp.int32],
         materials: wp.array[Material],
         K: wp.array[matrix],
-        G: wp.array2d[real],
+        G: wp.array[vec],
         h: real,
         gradient_ratio: real,
         limiter_beta: real,
@@ -142,11 +141,11 @@ def make_hydrodynamic(
         mu_top = Bits(0)
         k = wp.int32(first)
         while k < last:
-            j = mirror.index(neigh[k])
-            sign = mirror.sign(neigh[k])
+            j = mirror.index(entry(neigh, k))
+            sign = mirror.sign(entry(neigh, k))
             xij = mirror.apart(xi, spot(x, j), sign, plane)
             r2 = dot(xij, xij)
-            near = r2 < r_max2 and neigh[k] != i
+            near = r2 < r_max2 and entry(neigh, k) != i
             if taken(near):
                 vj = mirror.vector(at(v_start, j), sign)
                 r = wp.sqrt(wp.where(near, r2, h * h))
@@ -155,63 +154,68 @@ def make_hydrodynamic(
                 e = per_r * xij
                 u_i, u_j = dot(vi, e), dot(vj, e)
                 mu_top = raised(mu_top, wp.where(near and u_j > u_i, u_j - u_i, zero))
-                left = side(u_j, p[j], rho[j], cs[j], materials[mat[j]].A_shock)
+                left = side(u_j, get(p, j), get(rho, j), get(cs, j), materials[entry(mat, j)].A_shock)
                 right = side(u_i, p_i, rho_i, cs_i, A_i)
                 bears, whole = bears_i, whole_i
                 if wp.static(fragile):
-                    lost_j = materials[mat[j]].D_tension
-                    bears, whole = bears and D[j] < lost_j, whole and D[j] < wp.max(lost_j, one)
+                    lost_j = materials[entry(mat, j)].D_tension
+                    bears, whole = bears and get(D, j) < lost_j, whole and get(D, j) < wp.max(lost_j, one)
                 if wp.static(second):
                     if whole:
                         # differences over the pair: slope times r
                         u_over = limited(
                             per_r * quadratic(L_i, xij),
-                            per_r * quadratic(mirror.tensor(dvdx[j], sign), xij),
+                            per_r * quadratic(mirror.tensor(tensor_at(dvdx, j), sign), xij),
                             u_i - u_j,
                             limiter_beta,
                         )
                         p_over = limited(
                             dot(grad_p_i, xij),
                             dot(mirror.vector(at(grad_p, j), sign), xij),
-                            p_i - p[j],
+                            p_i - get(p, j),
                             limiter_beta,
                         )
                         rho_over = limited(
                             dot(grad_rho_i, xij),
                             dot(mirror.vector(at(grad_rho, j), sign), xij),
-                            rho_i - rho[j],
+                            rho_i - get(rho, j),
                             limiter_beta,
                         )
-                        swept_i, swept_j = wp.min(reach_i * per_r, one), wp.min(step * cl[j] * per_r, one)
+                        swept_i, swept_j = (
+                            wp.min(reach_i * per_r, one),
+                            wp.min(step * get(cl, j) * per_r, one),
+                        )
                         to_i, to_j = half * (one - swept_i), half * (one - swept_j)
-                        rho_l, rho_r = rho[j] + to_j * rho_over, rho_i - to_i * rho_over
+                        rho_l, rho_r = get(rho, j) + to_j * rho_over, rho_i - to_i * rho_over
                         if rho_l > zero and rho_r > zero:
-                            sound = of_volume(u_over, half * r * (wp.trace(L_i) + wp.trace(dvdx[j])))
+                            sound = of_volume(
+                                u_over, half * r * (wp.trace(L_i) + wp.trace(tensor_at(dvdx, j)))
+                            )
                             u_l = u_j + half * (u_over - swept_j * sound)
                             u_r = u_i - half * (u_over - swept_i * sound)
-                            left = side(u_l, p[j] + to_j * p_over, rho_l, cs[j], left.A)
+                            left = side(u_l, get(p, j) + to_j * p_over, rho_l, get(cs, j), left.A)
                             right = side(u_r, p_i - to_i * p_over, rho_r, cs_i, A_i)
                 u_star, p_star = interface(left, right, bears)
-                flux = -two * vol[j] * p_star
+                flux = -two * get(vol, j) * p_star
                 if wp.static(corrected):
                     w_ij = wp.where(near, w(r, h), zero)
-                    g_ij = of_pair(xij, dw, w_ij, K[own], at(G, own), h, gradient_ratio)
+                    g_ij = of_pair(xij, dw, w_ij, tensor_at(K, own), at(G, own), h, gradient_ratio)
                     other = j * on
-                    K_j, G_j = mirror.tensor(K[other], sign), mirror.vector(at(G, other), sign)
+                    K_j, G_j = mirror.tensor(tensor_at(K, other), sign), mirror.vector(at(G, other), sign)
                     q = half * (g_ij - of_pair(-xij, dw, w_ij, K_j, G_j, h, gradient_ratio))
                     dv = half * (vj - vi) + (u_star - half * (u_i + u_j)) * e
                     kicked_j = mirror.vector(at(v, j), sign)
                     dv_kicked = (
                         half * (kicked_j - kicked_i) + (u_star - half * dot(kicked_i + kicked_j, e)) * e
                     )
-                    rate += two * vol[j] * dot(dv, g_ij)
+                    rate += two * get(vol, j) * dot(dv, g_ij)
                     power += flux * dot(dv_kicked, q)
                     f = flux * q
                     f_x += f[0]
                     f_y += f[1]
                     f_z += f[2]
                 else:
-                    rate += two * vol[j] * (u_star - u_i) * (dw * r)
+                    rate += two * get(vol, j) * (u_star - u_i) * (dw * r)
                     power += flux * (u_star - dot(kicked_i, e)) * (dw * r)
                     f = (flux * dw) * xij
                     f_x += f[0]

@@ -7,7 +7,7 @@ import warp as wp
 from .correction import make_gradient
 from .coupling import make_counts
 from .kernel_type import EULERIAN
-from .lanes import make_lanes
+from .lanes import make_get, make_lanes
 from .mirror import make_mirror
 from .smoothing import Smoothing
 from .spec import Spec
@@ -33,11 +33,18 @@ def make_kinematics(
         separate: Neighbours of another body do not count.
         coupled: There are Lagrangian particles: their gradient is not found here, and eroded ones do not count.
     """
-    real, mat, place, point = s.real, s.mat, s.place, s.point
+    real, vec, mat, point = s.real, s.vec, s.mat, s.point
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
+    at, spot, get, entry, tensor_at = (
+        make_get(vec),
+        make_get(point),
+        make_get(real),
+        make_get(wp.int32),
+        make_get(s.mat),
+    )
     lanes = make_lanes(s)
-    at, spot, worth, row_end = lanes.at, lanes.spot, lanes.worth, lanes.row_end
+    worth, row_end = lanes.worth, lanes.row_end
     dim, counts = s.dim, make_counts(separate, coupled)
     options = (
         smoothing.name,
@@ -52,13 +59,13 @@ def make_kinematics(
     def velocity_gradient(
         offset: wp.int32,
         # in:
-        x: wp.array2d[place],
-        v: wp.array2d[real],
+        x: wp.array[point],
+        v: wp.array[vec],
         vol: wp.array[real],
         body: wp.array[wp.int32],
         kernel_type: wp.array[wp.int32],
         K: wp.array[mat],
-        G: wp.array2d[real],
+        G: wp.array[vec],
         h: real,
         gradient_ratio: real,
         plane: point,
@@ -87,21 +94,21 @@ def make_kinematics(
         zx, zy, zz = real(0.0), real(0.0), real(0.0)
         k = wp.int32(first)
         while k < last:
-            j = mirror.index(neigh[k])
-            sign = mirror.sign(neigh[k])
+            j = mirror.index(entry(neigh, k))
+            sign = mirror.sign(entry(neigh, k))
             xij = mirror.apart(xi, spot(x, j), sign, plane)
             r2 = tensor.dot(xij, xij)
-            near = r2 < r_max2 and neigh[k] != i
+            near = r2 < r_max2 and entry(neigh, k) != i
             if wp.static(separate or coupled):
-                near = near and counts(body[i], body[j], kernel_type[j])
+                near = near and counts(body[i], entry(body, j), entry(kernel_type, j))
             if worth(near):
                 r = wp.sqrt(r2)
                 vji = mirror.vector(at(v, j), sign) - vi
                 dw, w_ij = wp.where(near, dw_r(r, h), real(0.0)), real(0.0)
                 if wp.static(corrected):
                     w_ij = wp.where(near, w(r, h), real(0.0))
-                g = of_pair(xij, dw, w_ij, K[own], at(G, own), h, gradient_ratio)
-                u = vol[j] * vji
+                g = of_pair(xij, dw, w_ij, tensor_at(K, own), at(G, own), h, gradient_ratio)
+                u = get(vol, j) * vji
                 xx += u[0] * g[0]
                 if wp.static(dim > 1):
                     xy += u[0] * g[1]

@@ -1,9 +1,9 @@
 """What a pair loop needs so that a CPU's compiler can handle several pairs at once, in the lanes of its vector registers.
 
 Such a loop counts up in a ``while`` (Warp's ``range`` may count down, and asks every time around), has no ``continue`` and
-stores nothing; it adds up scalars, and keeps a maximum by `raised`, a minimum by `lowered`. It reads vectors by `at`: a compiler loads a vector of
-three single-precision numbers as two pieces, which it does not spread over lanes. What lies beyond the support is not
-left out but counts nothing, with W = W' = 0: a branch costs more than the work it saves, except on a GPU (`worth`).
+stores nothing; it adds up scalars, and keeps a maximum by `raised`, a minimum by `lowered`. It reads its neighbours by
+`make_get`. What lies beyond the support is not left out but counts nothing, with W = W' = 0: a branch costs more than the
+work it saves, except on a GPU (`worth`).
 Its module is built with ``s.module(..., lanes=True)``, which lets the compiler add in another order: the same in every run.
 
 A row ends at a multiple of the lanes, filled up with the particle itself: an entry that is no neighbour.
@@ -16,12 +16,13 @@ import warp as wp
 
 from .spec import Spec
 
+NAMES = {wp.int32: "int", wp.float32: "float", wp.float64: "double"}
+"""Scalar types by their names in C."""
+
 
 class Lanes(NamedTuple):
     """Device functions of this file, and the type that `raised` works on."""
 
-    at: wp.Function
-    spot: wp.Function
     worth: wp.Function
     raised: wp.Function
     lowered: wp.Function
@@ -32,21 +33,38 @@ class Lanes(NamedTuple):
 
 
 @functools.cache
+def make_get(element: type) -> wp.Function:
+    """Build ``get(a, i)``, the element i of an array without gaps, number by number.
+
+    Warp reads an array with the stride that it has at run time. The compiler then gathers even what lies side by side,
+    and multiplies to find it; a vector of three single-precision numbers it reads in two pieces.
+    """
+    if element in NAMES:
+        return _native(element, "return a.data[i];")
+    name, shape = NAMES[element._wp_scalar_type_], element._shape_
+    if len(shape) == 1:
+        places = [f"c[{k}]" for k in range(shape[0])]
+        kind = f"wp::vec_t<{shape[0]}, {name}>"
+    else:
+        places = [f"data[{row}][{column}]" for row in range(shape[0]) for column in range(shape[1])]
+        kind = f"wp::mat_t<{shape[0]}, {shape[1]}, {name}>"
+    copies = " ".join(f"r.{place} = a.data[i].{place};" for place in places)
+    return _native(element, f"{kind} r; {copies} return r;")
+
+
+def _native(element: type, snippet: str) -> wp.Function:
+    @wp.func_native(snippet)
+    def get(a: wp.array[element], i: wp.int32) -> element: ...
+
+    return get
+
+
+@functools.cache
 def make_lanes(s: Spec) -> Lanes:
     """Build the functions for one specialisation."""
-    real, vec, place, point, lanes = s.real, s.vec, s.place, s.point, s.lanes
+    real, lanes = s.real, s.lanes
     Bits = wp.int32 if real is wp.float32 else wp.int64
     exponent = wp.constant(Bits(0xFF << 23 if real is wp.float32 else 0x7FF << 52))
-
-    @wp.func
-    def at(a: wp.array2d[real], i: wp.int32):
-        """a_i of an array of vectors, given as one of their components."""
-        return vec(a[i, 0], a[i, 1], a[i, 2])
-
-    @wp.func
-    def spot(x: wp.array2d[place], i: wp.int32):
-        """x_i of an array of positions, likewise."""
-        return point(x[i, 0], x[i, 1], x[i, 2])
 
     if lanes == 1:
 
@@ -89,4 +107,4 @@ def make_lanes(s: Spec) -> Lanes:
         """One past the last entry of a row of n neighbours, filled up to a multiple of the lanes."""
         return first + (n + wp.static(lanes - 1)) / wp.static(lanes) * wp.static(lanes)
 
-    return Lanes(at, spot, worth, raised, lowered, finite, value, row_end, Bits)
+    return Lanes(worth, raised, lowered, finite, value, row_end, Bits)

@@ -7,7 +7,7 @@ import warp as wp
 
 from .correction import make_gradient
 from .coupling import ALL, ARTIFICIAL_STRESS, FORCE, PURE, Coupling, make_coupling
-from .lanes import make_lanes
+from .lanes import make_get, make_lanes
 from .mirror import make_mirror
 from .parts import ARTIFICIAL, VISCOUS, Parts, part_types
 from .parts import tag as tag_of
@@ -47,22 +47,22 @@ class PairTerms:
 @functools.cache
 def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
     """Build the momentum and energy loop for one set of terms."""
-    real, vec, mat, place, point = s.real, s.vec, s.mat, s.place, s.point
+    real, vec, mat, point = s.real, s.vec, s.mat, s.point
     mirror, tensor, of_pair = make_mirror(s, terms.planes), make_tensor(s), make_gradient(s, terms.corrected)
     viscosity, terms_of = make_viscosity(s), make_coupling(s, terms.coupling)
     Accelerations, Powers = part_types(s, len(terms.parts))
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     dot, act = tensor.dot, tensor.act
-    lanes = make_lanes(s)
-    at, spot, worth, raised, value, row_end, Bits = (
-        lanes.at,
-        lanes.spot,
-        lanes.worth,
-        lanes.raised,
-        lanes.value,
-        lanes.row_end,
-        lanes.Bits,
+    at, spot, get, entry, sym, tensor_at = (
+        make_get(vec),
+        make_get(point),
+        make_get(real),
+        make_get(wp.int32),
+        make_get(s.sym),
+        make_get(s.mat),
     )
+    lanes = make_lanes(s)
+    worth, raised, value, row_end, Bits = lanes.worth, lanes.raised, lanes.value, lanes.row_end, lanes.Bits
     switched, stressed = terms.switched, terms.artificial_stress
     viscous, artificial = (terms.parts.index(p) if p in terms.parts else 0 for p in (VISCOUS, ARTIFICIAL))
     half = real(0.5)
@@ -73,9 +73,9 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
     def momentum(
         offset: wp.int32,
         # in:
-        x: wp.array2d[place],
-        X: wp.array2d[place],
-        v: wp.array2d[real],
+        x: wp.array[point],
+        X: wp.array[point],
+        v: wp.array[vec],
         m: wp.array[real],
         rho: wp.array[real],
         vol: wp.array[real],
@@ -86,7 +86,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         av_switch: wp.array[real],
         R: wp.array[s.sym],
         K: wp.array[mat],
-        G: wp.array2d[real],
+        G: wp.array[vec],
         h: real,
         spacing: real,
         gradient_ratio: real,
@@ -129,29 +129,31 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         bits = wp.int32(wp.static(ALL))
         k = wp.int32(first)
         while k < last:
-            j = mirror.index(neigh[k])
-            sign = mirror.sign(neigh[k])
+            j = mirror.index(entry(neigh, k))
+            sign = mirror.sign(entry(neigh, k))
             xij = mirror.apart(xi, spot(x, j), sign, plane)
             r2 = dot(xij, xij)
-            near = r2 < r_max2 and neigh[k] != i
+            near = r2 < r_max2 and entry(neigh, k) != i
             if worth(near):
                 if wp.static(shared):
                     Xij = vec()
                     if wp.static(coupled):
                         Xij = mirror.apart(spot(X, i), spot(X, j), sign, plane)
-                    bits = terms_of(kernel_type[i], kernel_type[j], body[i] == body[j], Xij, support * h)
+                    bits = terms_of(
+                        kernel_type[i], entry(kernel_type, j), body[i] == entry(body, j), Xij, support * h
+                    )
                 r = wp.sqrt(r2)
                 dw = wp.where(near, dw_r(r, h), real(0.0))
                 w_ij = real(0.0)
                 if wp.static(terms.corrected):
                     w_ij = wp.where(near, w(r, h), real(0.0))
-                g_ij = of_pair(xij, dw, w_ij, K[own], at(G, own), h, gradient_ratio)
+                g_ij = of_pair(xij, dw, w_ij, tensor_at(K, own), at(G, own), h, gradient_ratio)
                 other = j * on
                 g_ji = of_pair(
                     -xij,
                     dw,
                     w_ij,
-                    mirror.tensor(K[other], sign),
+                    mirror.tensor(tensor_at(K, other), sign),
                     mirror.vector(at(G, other), sign),
                     h,
                     gradient_ratio,
@@ -160,11 +162,11 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                 g_mean = -g_ij
                 if wp.static(terms.corrected):
                     g_mean = half * (g_ji - g_ij)
-                pair_mass = m[j] * areal_i
+                pair_mass = get(m, j) * areal_i
                 if (bits & wp.static(FORCE)) != 0:
                     inner = act(sig_i, g_ij)
-                    stress = vol[j] * (inner - act(mirror.symmetric(sig[j], sign), g_ji))
-                    power += vol[j] * dot(vji, inner)
+                    stress = get(vol, j) * (inner - act(mirror.symmetric(sym(sig, j), sign), g_ji))
+                    power += get(vol, j) * dot(vji, inner)
                     f_x += stress[0]
                     if wp.static(dim > 1):
                         f_y += stress[1]
@@ -174,13 +176,13 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                     mu_top = raised(mu_top, -mu_ij)
                     pi_ij = viscosity.pressure(
                         mu_ij,
-                        half * (cs_i + cs[j]),
-                        half * (rho_i + rho[j]),
+                        half * (cs_i + get(cs, j)),
+                        half * (rho_i + get(rho, j)),
                         viscosity_alpha,
                         viscosity_beta,
                     )
                     if wp.static(switched):
-                        pi_ij *= half * (av_switch[i] + av_switch[j])
+                        pi_ij *= half * (av_switch[i] + get(av_switch, j))
                     drag = (pair_mass * pi_ij) * g_mean
                     visc_power += dot(vji, drag)
                     visc_x += drag[0]
@@ -189,7 +191,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                     if wp.static(dim > 2):
                         visc_z += drag[2]
                 if wp.static(stressed):
-                    R_ij = R[i] + mirror.symmetric(R[j], sign)
+                    R_ij = R[i] + mirror.symmetric(sym(R, j), sign)
                     # zero, unless one of the two is in tension
                     if (bits & wp.static(ARTIFICIAL_STRESS)) != 0 and tensor.trace(R_ij) < real(0.0):
                         f = w(r, h) * w_spacing

@@ -7,7 +7,7 @@ import warp as wp
 
 from .hourglass import make_hourglass
 from .kernel_type import ERODED, LAGRANGIAN
-from .lanes import make_lanes
+from .lanes import make_get, make_lanes
 from .mirror import make_mirror
 from .parts import HOURGLASS, VISCOUS, Parts, part_types
 from .parts import tag as tag_of
@@ -51,15 +51,21 @@ class LagrangianTerms:
 @functools.cache
 def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTerms) -> wp.Kernel:
     """Build the momentum and energy loop for one set of terms."""
-    real, vec, matrix, place, point = s.real, s.vec, s.mat, s.place, s.point
+    real, vec, matrix, point = s.real, s.vec, s.mat, s.point
     mirror, tensor, viscosity = make_mirror(s, terms.planes), make_tensor(s), make_viscosity(s)
     Accelerations, Powers = part_types(s, len(terms.parts))
     viscous, zero_energy = (terms.parts.index(p) if p in terms.parts else 0 for p in (VISCOUS, HOURGLASS))
     restoring, w = make_hourglass(s), smoothing.w
     dot, product, half, zero, dim = tensor.dot, tensor.product, real(0.5), real(0.0), s.dim
+    at, spot, get, entry, tensor_at = (
+        make_get(vec),
+        make_get(point),
+        make_get(real),
+        make_get(wp.int32),
+        make_get(s.mat),
+    )
     lanes = make_lanes(s)
-    at, spot, raised, value = lanes.at, lanes.spot, lanes.raised, lanes.value
-    row_end, Bits = lanes.row_end, lanes.Bits
+    raised, value, row_end, Bits = lanes.raised, lanes.value, lanes.row_end, lanes.Bits
     coupled, controlled = terms.coupled, terms.hourglass
 
     @wp.func
@@ -71,16 +77,16 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
     def areal(rho: wp.array[real], thickness: wp.array[real], i: wp.int32):
         """Mass over volume in the space of the problem, μ."""
         if wp.static(terms.sheet):
-            return rho[i] * thickness[i]
-        return rho[i]
+            return get(rho, i) * get(thickness, i)
+        return get(rho, i)
 
     @wp.kernel(module=s.module(__name__, "_".join(p for p in (smoothing.name, terms.tag) if p), lanes=True))
     def momentum_lagrangian(
         offset: wp.int32,
         # in:
-        x: wp.array2d[place],
-        X: wp.array2d[place],
-        v: wp.array2d[real],
+        x: wp.array[point],
+        X: wp.array[point],
+        v: wp.array[vec],
         m: wp.array[real],
         vol0: wp.array[real],
         rho: wp.array[real],
@@ -90,7 +96,7 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
         F: wp.array[matrix],
         cof: wp.array[matrix],
         P: wp.array[matrix],
-        G0: wp.array2d[real],
+        G0: wp.array[vec],
         mat: wp.array[wp.int32],
         stiffness: wp.array[real],
         kernel_type: wp.array[wp.int32],
@@ -139,21 +145,23 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
         mu_top = Bits(0)
         k = wp.int32(first)
         while k < last:
-            j = mirror.index(neigh0[k])
-            sign = mirror.sign(neigh0[k])
-            counts = neigh0[k] != i
+            j = mirror.index(entry(neigh0, k))
+            sign = mirror.sign(entry(neigh0, k))
+            counts = entry(neigh0, k) != i
             if wp.static(terms.erosion):
-                counts = counts and kernel_type[j] != ERODED
+                counts = counts and entry(kernel_type, j) != ERODED
             if wp.static(coupled):
-                counts = counts and (lagrangian or kernel_type[j] == LAGRANGIAN)
-            own = wp.where(counts, real(slope0[k]), zero) * mirror.apart(spot(X, i), spot(X, j), sign, plane)
+                counts = counts and (lagrangian or entry(kernel_type, j) == LAGRANGIAN)
+            own = wp.where(counts, real(get(slope0, k)), zero) * mirror.apart(
+                spot(X, i), spot(X, j), sign, plane
+            )
             back = -own
             if wp.static(terms.corrected):
-                weight = wp.where(counts, real(w0[k]), zero)
+                weight = wp.where(counts, real(get(w0, k)), zero)
                 own -= weight * at(G0, i)
                 back -= weight * mirror.vector(at(G0, j), sign)
             vji = mirror.vector(at(v, j), sign) - vi
-            stress = of_image(P[j], back, sign)
+            stress = of_image(tensor_at(P, j), back, sign)
             f_x -= stress[0]
             if wp.static(dim > 1):
                 f_y -= stress[1]
@@ -172,9 +180,13 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
             mu_ij = viscosity.approach(wp.where(counts, -dot(vji, xij), zero), dot(xij, xij), h)
             mu_top = raised(mu_top, -mu_ij)
             pi_ij = viscosity.pressure(
-                mu_ij, half * (cs_i + cs[j]), half * (rho_i + rho[j]), viscosity_alpha, viscosity_beta
+                mu_ij,
+                half * (cs_i + get(cs, j)),
+                half * (rho_i + get(rho, j)),
+                viscosity_alpha,
+                viscosity_beta,
             )
-            area = of_image(cof[j], back, sign) - product(cof_i, own)
+            area = of_image(tensor_at(cof, j), back, sign) - product(cof_i, own)
             drag = (half * pi_ij * areal_i * areal(rho, thickness, j)) * area
             visc_power += dot(vji, drag)
             visc_x += drag[0]
@@ -185,9 +197,11 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
             if wp.static(controlled):
                 Xij = mirror.apart(spot(X, i), spot(X, j), sign, plane)
                 r0, r = wp.sqrt(dot(Xij, Xij)), wp.sqrt(dot(xij, xij))
-                E_i, E_j = stiffness[mat[i]], stiffness[mat[j]]
-                size = restoring(Xij, xij, F[i], mirror.tensor(F[j], sign), w(r0, h), hourglass, E_i, E_j)
-                push = wp.where(counts, vol0[j] * size / wp.max(r, real(1.0e-6) * h), zero) * xij
+                E_i, E_j = stiffness[mat[i]], stiffness[entry(mat, j)]
+                size = restoring(
+                    Xij, xij, F[i], mirror.tensor(tensor_at(F, j), sign), w(r0, h), hourglass, E_i, E_j
+                )
+                push = wp.where(counts, get(vol0, j) * size / wp.max(r, real(1.0e-6) * h), zero) * xij
                 zero_power += dot(vji, push)
                 zero_x += push[0]
                 if wp.static(dim > 1):

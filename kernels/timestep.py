@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import warp as wp
 
-from .lanes import make_lanes
+from .lanes import make_get, make_lanes
 from .spec import Spec
 
 RUNNING, DONE, STALE, COLLAPSED, NON_FINITE, INSIDE_OUT = range(6)
@@ -46,16 +46,10 @@ def make_timestep(
         contact: Bodies are in contact.
         switched: A switch scales the artificial viscosity.
     """
-    real, vec, place = s.real, s.vec, s.place
+    real, vec, point = s.real, s.vec, s.point
+    at, spot, get = make_get(vec), make_get(point), make_get(real)
     lanes = make_lanes(s)
-    at, spot, lowered, finite, value, Bits = (
-        lanes.at,
-        lanes.spot,
-        lanes.lowered,
-        lanes.finite,
-        lanes.value,
-        lanes.Bits,
-    )
+    lowered, finite, value, Bits = lanes.lowered, lanes.finite, lanes.value, lanes.Bits
     zero = real(0.0)
     share, acceleration = real(VISCOUS_SHARE), real(ACCELERATION_CFL)
     floor, contact_cfl = wp.float64(FLOOR), real(CONTACT_CFL)
@@ -78,9 +72,9 @@ def make_timestep(
     def local(
         offset: wp.int32,
         # in:
-        x: wp.array2d[place],
-        v: wp.array2d[real],
-        dvdt: wp.array2d[real],
+        x: wp.array[point],
+        v: wp.array[vec],
+        dvdt: wp.array[vec],
         rho: wp.array[real],
         e: wp.array[real],
         cs: wp.array[real],
@@ -108,16 +102,16 @@ def make_timestep(
         k = wp.int32(0)
         while k < last:
             i = first + k * along
-            signal = viscosity_alpha * cs[i] + viscosity_beta * mu[i]
+            signal = viscosity_alpha * get(cs, i) + viscosity_beta * get(mu, i)
             if wp.static(switched):
-                signal *= av_switch[i]
-            check = rho[i] + e[i] + wp.dot(vec(spot(x, i)), at(v, i))
-            speed = cl[i] + share * signal
+                signal *= get(av_switch, i)
+            check = get(rho, i) + get(e, i) + wp.dot(vec(spot(x, i)), at(v, i))
+            speed = get(cl, i) + share * signal
             if wp.static(lagrangian):
-                speed *= shrink[i]
+                speed *= get(shrink, i)
             rate2 = real(0.0)
             if wp.static(contact):
-                rate2 = contact_rate[i]
+                rate2 = get(contact_rate, i)
             dt_b = lowered(dt_b, limit(h, cfl, speed, rate2, wp.dot(at(dvdt, i), at(dvdt, i)), check))
             k += 1
         block_dt[b] = value(dt_b)

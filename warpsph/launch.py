@@ -168,27 +168,18 @@ def _checked(kernel: wp.Kernel, var, name: str, value: object) -> object:
         return value.id
     if hasattr(value, "_cls") and value._cls is not var.type:
         raise TypeError(f"{kernel.key}: struct {name!r} was built for another precision")
-    if isinstance(value, wp.array) and getattr(var.type, "ndim", 1) > value.ndim:
-        value = _components(value)
     if isinstance(value, Pieces):
         for array in value.arrays:
             _checked(kernel, var, name, array)
     if isinstance(value, wp.array):
+        if not value.is_contiguous:  # loops over lanes count on it, see `kernels.lanes.make_get`
+            raise TypeError(f"{kernel.key}: array {name!r} has gaps")
         expected, found = var.type.dtype, value.dtype
         if not wp.types.types_equal(expected, found):
             raise TypeError(
                 f"{kernel.key}: array {name!r} has type {found.__name__}, not {expected.__name__}"
             )
     return value
-
-
-def _components(vectors: wp.array) -> wp.array:
-    """The same memory as an array of components, shape [n, 3]: what a loop over lanes reads (`kernels.lanes`)."""
-    element = vectors.dtype
-    return wp.array(
-        ptr=vectors.ptr, shape=(vectors.size, element._length_), dtype=element._wp_scalar_type_,
-        device=vectors.device, copy=False,
-    )  # fmt: skip
 
 
 def count_cores() -> int:
