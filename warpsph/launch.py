@@ -17,7 +17,7 @@ SLICES_PER_THREAD = 2
 SMALLEST_SLICE = 512
 """Particles below which a launch of a kernel with much to do for each is not cut further."""
 
-SMALLEST_LIGHT_SLICE = 16384
+SMALLEST_LIGHT_SLICE = 10000
 """The same for other kernels: to wake a thread takes as long as they do for fewer."""
 
 LABOUR = {"neigh", "neigh0", "materials"}
