@@ -9,7 +9,7 @@ import functools
 import warp as wp
 
 from .coupling import make_counts
-from .lanes import make_get, make_lanes
+from .lanes import make_lanes, make_reads
 from .mirror import make_mirror
 from .smoothing import Smoothing
 from .spec import Spec
@@ -40,7 +40,7 @@ def make_correction(
     real, vec, mat, point, dim = s.real, s.vec, s.mat, s.point, s.dim
     mirror, tensor = make_mirror(s, planes), make_tensor(s)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    spot, get, entry = make_get(point), make_get(real), make_get(wp.int32)
+    read = make_reads(s)
     lanes = make_lanes(s)
     worth, row_end = lanes.worth, lanes.row_end
     bound, counts, zero = real(CONDITION), make_counts(separate, coupled), real(0.0)
@@ -85,7 +85,7 @@ def make_correction(
             return
         first = start[i]
         last = row_end(first, n_neigh[i])
-        xi = spot(x, i)
+        xi = read.point(x, i)
         r_max2 = support * support * h * h
         shepard = vol[i] * w(real(0.0), h)
         # scalars, not vectors or matrices: the compiler keeps them in registers
@@ -93,16 +93,16 @@ def make_correction(
         neighbours = wp.int32(0)
         k = wp.int32(first)
         while k < last:
-            j = mirror.index(entry(neigh, k))
-            xij = mirror.apart(xi, spot(x, j), mirror.sign(entry(neigh, k)), plane)
+            j = mirror.index(read.integer(neigh, k))
+            xij = mirror.apart(xi, read.point(x, j), mirror.sign(read.integer(neigh, k)), plane)
             r2 = tensor.dot(xij, xij)
             near = (
                 r2 < r_max2
-                and entry(neigh, k) != i
-                and counts(body[i], entry(body, j), entry(kernel_type, j))
+                and read.integer(neigh, k) != i
+                and counts(body[i], read.integer(body, j), read.integer(kernel_type, j))
             )
             if worth(near):
-                r, V_j = wp.sqrt(r2), wp.where(near, real(get(vol, j)), zero)
+                r, V_j = wp.sqrt(r2), wp.where(near, real(read.real(vol, j)), zero)
                 shepard += V_j * w(r, h)
                 slope = V_j * dw_r(r, h)
                 G_x += slope * xij[0]
@@ -116,16 +116,16 @@ def make_correction(
         zx, zy, zz = real(0.0), real(0.0), real(0.0)
         k = wp.int32(first)
         while k < last:
-            j = mirror.index(entry(neigh, k))
-            xij = mirror.apart(xi, spot(x, j), mirror.sign(entry(neigh, k)), plane)
+            j = mirror.index(read.integer(neigh, k))
+            xij = mirror.apart(xi, read.point(x, j), mirror.sign(read.integer(neigh, k)), plane)
             r2 = tensor.dot(xij, xij)
             near = (
                 r2 < r_max2
-                and entry(neigh, k) != i
-                and counts(body[i], entry(body, j), entry(kernel_type, j))
+                and read.integer(neigh, k) != i
+                and counts(body[i], read.integer(body, j), read.integer(kernel_type, j))
             )
             if worth(near):
-                r, V_j = wp.sqrt(r2), wp.where(near, real(get(vol, j)), zero)
+                r, V_j = wp.sqrt(r2), wp.where(near, real(read.real(vol, j)), zero)
                 u = V_j * (dw_r(r, h) * xij - w(r, h) * log_G)
                 xx -= u[0] * xij[0]
                 if wp.static(dim > 1):

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import warp as wp
 
 from .kernel_type import LAGRANGIAN
-from .lanes import make_get, make_lanes
+from .lanes import make_lanes, make_reads
 from .mirror import make_mirror
 from .spec import Spec
 from .tensor import make_tensor
@@ -42,7 +42,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
     options = ("corrected" * corrected, "planes" * planes)
     module = s.module(__name__, "_".join(filter(None, options)))
     over_lanes = s.module(__name__, "_".join(filter(None, ("rate", *options))), lanes=True)
-    at, spot, get, entry = make_get(vec), make_get(point), make_get(real), make_get(wp.int32)
+    read = make_reads(s)
     lanes = make_lanes(s)
     row_end = lanes.row_end
 
@@ -79,7 +79,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
             return
         first = start0[i]
         last = row_end(first, n_neigh0[i])
-        Xi, vi = spot(X, i), at(v, i)
+        Xi, vi = read.point(X, i), read.vec(v, i)
         # scalars, not a matrix: the compiler keeps them in registers
         xx, xy, xz = real(0.0), real(0.0), real(0.0)
         yx, yy, yz = real(0.0), real(0.0), real(0.0)
@@ -87,10 +87,10 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         wx, wy, wz = real(0.0), real(0.0), real(0.0)
         k = wp.int32(first)
         while k < last:  # the slopes of what fills up the row are 0
-            j = mirror.index(entry(neigh0, k))
-            sign = mirror.sign(entry(neigh0, k))
-            u = mirror.vector(at(v, j), sign) - vi
-            g = get(slope0, k) * mirror.apart(Xi, spot(X, j), sign, plane)
+            j = mirror.index(read.integer(neigh0, k))
+            sign = mirror.sign(read.integer(neigh0, k))
+            u = mirror.vector(read.vec(v, j), sign) - vi
+            g = read.real(slope0, k) * mirror.apart(Xi, read.point(X, j), sign, plane)
             xx += u[0] * g[0]
             if wp.static(dim > 1):
                 xy += u[0] * g[1]
@@ -103,11 +103,11 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
                 zy += u[2] * g[1]
                 zz += u[2] * g[2]
             if wp.static(corrected):
-                wx += get(w0, k) * u[0]
+                wx += read.real(w0, k) * u[0]
                 if wp.static(dim > 1):
-                    wy += get(w0, k) * u[1]
+                    wy += read.real(w0, k) * u[1]
                 if wp.static(dim > 2):
-                    wz += get(w0, k) * u[2]
+                    wz += read.real(w0, k) * u[2]
             k += 1
         found = mat(xx, xy, xz, yx, yy, yz, zx, zy, zz)
         if wp.static(corrected):

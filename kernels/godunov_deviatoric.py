@@ -5,7 +5,7 @@ import functools
 import warp as wp
 
 from .correction import make_gradient
-from .lanes import make_get, make_lanes
+from .lanes import make_lanes, make_reads
 from .mirror import make_mirror
 from .smoothing import Smoothing
 from .spec import Spec
@@ -20,14 +20,7 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     dot, act = tensor.dot, tensor.act
     zero, half = real(0.0), real(0.5)
-    at, spot, get, entry, sym, tensor_at = (
-        make_get(vec),
-        make_get(point),
-        make_get(real),
-        make_get(wp.int32),
-        make_get(s.sym),
-        make_get(s.mat),
-    )
+    read = make_reads(s)
     lanes = make_lanes(s)
     worth, row_end = lanes.worth, lanes.row_end
     dim, on = s.dim, wp.constant(int(corrected))
@@ -71,7 +64,7 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
         first = start[i]
         last = row_end(first, n_neigh[i])
         own = i * on  # K and G are one long where there is no correction
-        xi, vi, tau_i = spot(x, i), at(v, i), tau[i]
+        xi, vi, tau_i = read.point(x, i), read.vec(v, i), tau[i]
         p_i, rho_i = p[i], rho[i]
         r_max2 = support * support * h * h
         # scalars, not vectors: the compiler keeps them in registers
@@ -80,33 +73,39 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
         rho_x, rho_y, rho_z = real(0.0), real(0.0), real(0.0)
         k = wp.int32(first)
         while k < last:
-            j = mirror.index(entry(neigh, k))
-            sign = mirror.sign(entry(neigh, k))
-            xij = mirror.apart(xi, spot(x, j), sign, plane)
+            j = mirror.index(read.integer(neigh, k))
+            sign = mirror.sign(read.integer(neigh, k))
+            xij = mirror.apart(xi, read.point(x, j), sign, plane)
             r2 = dot(xij, xij)
-            near = r2 < r_max2 and entry(neigh, k) != i
+            near = r2 < r_max2 and read.integer(neigh, k) != i
             if worth(near):
                 r = wp.sqrt(r2)
                 dw, w_ij = wp.where(near, dw_r(r, h), zero), zero
                 if wp.static(corrected):
                     w_ij = wp.where(near, w(r, h), zero)
-                g_ij = of_pair(xij, dw, w_ij, tensor_at(K, own), at(G, own), h, gradient_ratio)
-                tau_j = mirror.symmetric(sym(tau, j), sign)
+                g_ij = of_pair(xij, dw, w_ij, read.mat(K, own), read.vec(G, own), h, gradient_ratio)
+                tau_j = mirror.symmetric(read.sym(tau, j), sign)
                 f = act(tau_i + tau_j, g_ij)
                 if wp.static(corrected):
                     other = j * on
-                    K_j, G_j = mirror.tensor(tensor_at(K, other), sign), mirror.vector(at(G, other), sign)
+                    K_j, G_j = (
+                        mirror.tensor(read.mat(K, other), sign),
+                        mirror.vector(read.vec(G, other), sign),
+                    )
                     g_ji = of_pair(-xij, dw, w_ij, K_j, G_j, h, gradient_ratio)
                     f = act(tau_i, g_ij) - act(tau_j, g_ji)
-                f *= get(vol, j)
-                power += half * dot(f, mirror.vector(at(v, j), sign) - vi)
+                f *= read.real(vol, j)
+                power += half * dot(f, mirror.vector(read.vec(v, j), sign) - vi)
                 f_x += f[0]
                 if wp.static(dim > 1):
                     f_y += f[1]
                 if wp.static(dim > 2):
                     f_z += f[2]
                 if wp.static(order == 2):
-                    dp, drho = get(vol, j) * (get(p, j) - p_i), get(vol, j) * (get(rho, j) - rho_i)
+                    dp, drho = (
+                        read.real(vol, j) * (read.real(p, j) - p_i),
+                        read.real(vol, j) * (read.real(rho, j) - rho_i),
+                    )
                     p_x += dp * g_ij[0]
                     rho_x += drho * g_ij[0]
                     if wp.static(dim > 1):

@@ -7,7 +7,7 @@ import warp as wp
 
 from .correction import make_gradient
 from .interface import make_interface
-from .lanes import make_get, make_lanes
+from .lanes import make_lanes, make_reads
 from .limiters import make_limiter
 from .material import make_material
 from .mirror import make_mirror
@@ -52,13 +52,7 @@ def make_hydrodynamic(
     Material = make_material(s)
     limited = make_limiter(s, states.limiter, states.jump)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    at, spot, get, entry, tensor_at = (
-        make_get(vec),
-        make_get(point),
-        make_get(real),
-        make_get(wp.int32),
-        make_get(s.mat),
-    )
+    read = make_reads(s)
     lanes = make_lanes(s)
     taken, raised, value, row_end, Bits = lanes.worth, lanes.raised, lanes.value, lanes.row_end, lanes.Bits
     dot, quadratic = tensor.dot, tensor.quadratic
@@ -125,7 +119,7 @@ def make_hydrodynamic(
         first = start[i]
         last = row_end(first, n_neigh[i])
         own = i * on  # K and G are one long where there is no correction
-        xi, vi, kicked_i = spot(x, i), at(v_start, i), at(v, i)
+        xi, vi, kicked_i = read.point(x, i), read.vec(v_start, i), read.vec(v, i)
         r_max2 = support * support * h * h
         p_i, rho_i, cs_i = p[i], rho[i], cs[i]
         A_i = materials[mat[i]].A_shock
@@ -134,88 +128,100 @@ def make_hydrodynamic(
             lost_i = materials[mat[i]].D_tension
             bears_i, whole_i = D[i] < lost_i, D[i] < wp.max(lost_i, one)
         if wp.static(second):
-            L_i, grad_p_i, grad_rho_i = dvdx[i], at(grad_p, i), at(grad_rho, i)
+            L_i, grad_p_i, grad_rho_i = dvdx[i], read.vec(grad_p, i), read.vec(grad_rho, i)
             reach_i = cl[i] * step
         # scalars, not vectors: the compiler keeps them in registers
         f_x, f_y, f_z, power, rate = real(0.0), real(0.0), real(0.0), real(0.0), real(0.0)
         mu_top = Bits(0)
         k = wp.int32(first)
         while k < last:
-            j = mirror.index(entry(neigh, k))
-            sign = mirror.sign(entry(neigh, k))
-            xij = mirror.apart(xi, spot(x, j), sign, plane)
+            j = mirror.index(read.integer(neigh, k))
+            sign = mirror.sign(read.integer(neigh, k))
+            xij = mirror.apart(xi, read.point(x, j), sign, plane)
             r2 = dot(xij, xij)
-            near = r2 < r_max2 and entry(neigh, k) != i
+            near = r2 < r_max2 and read.integer(neigh, k) != i
             if taken(near):
-                vj = mirror.vector(at(v_start, j), sign)
+                vj = mirror.vector(read.vec(v_start, j), sign)
                 r = wp.sqrt(wp.where(near, r2, h * h))
                 dw, w_ij = wp.where(near, dw_r(r, h), zero), zero
                 per_r = one / r
                 e = per_r * xij
                 u_i, u_j = dot(vi, e), dot(vj, e)
                 mu_top = raised(mu_top, wp.where(near and u_j > u_i, u_j - u_i, zero))
-                left = side(u_j, get(p, j), get(rho, j), get(cs, j), materials[entry(mat, j)].A_shock)
+                left = side(
+                    u_j,
+                    read.real(p, j),
+                    read.real(rho, j),
+                    read.real(cs, j),
+                    materials[read.integer(mat, j)].A_shock,
+                )
                 right = side(u_i, p_i, rho_i, cs_i, A_i)
                 bears, whole = bears_i, whole_i
                 if wp.static(fragile):
-                    lost_j = materials[entry(mat, j)].D_tension
-                    bears, whole = bears and get(D, j) < lost_j, whole and get(D, j) < wp.max(lost_j, one)
+                    lost_j = materials[read.integer(mat, j)].D_tension
+                    bears, whole = (
+                        bears and read.real(D, j) < lost_j,
+                        whole and read.real(D, j) < wp.max(lost_j, one),
+                    )
                 if wp.static(second):
                     if whole:
                         # differences over the pair: slope times r
                         u_over = limited(
                             per_r * quadratic(L_i, xij),
-                            per_r * quadratic(mirror.tensor(tensor_at(dvdx, j), sign), xij),
+                            per_r * quadratic(mirror.tensor(read.mat(dvdx, j), sign), xij),
                             u_i - u_j,
                             limiter_beta,
                         )
                         p_over = limited(
                             dot(grad_p_i, xij),
-                            dot(mirror.vector(at(grad_p, j), sign), xij),
-                            p_i - get(p, j),
+                            dot(mirror.vector(read.vec(grad_p, j), sign), xij),
+                            p_i - read.real(p, j),
                             limiter_beta,
                         )
                         rho_over = limited(
                             dot(grad_rho_i, xij),
-                            dot(mirror.vector(at(grad_rho, j), sign), xij),
-                            rho_i - get(rho, j),
+                            dot(mirror.vector(read.vec(grad_rho, j), sign), xij),
+                            rho_i - read.real(rho, j),
                             limiter_beta,
                         )
                         swept_i, swept_j = (
                             wp.min(reach_i * per_r, one),
-                            wp.min(step * get(cl, j) * per_r, one),
+                            wp.min(step * read.real(cl, j) * per_r, one),
                         )
                         to_i, to_j = half * (one - swept_i), half * (one - swept_j)
-                        rho_l, rho_r = get(rho, j) + to_j * rho_over, rho_i - to_i * rho_over
+                        rho_l, rho_r = read.real(rho, j) + to_j * rho_over, rho_i - to_i * rho_over
                         if rho_l > zero and rho_r > zero:
                             sound = of_volume(
-                                u_over, half * r * (wp.trace(L_i) + wp.trace(tensor_at(dvdx, j)))
+                                u_over, half * r * (wp.trace(L_i) + wp.trace(read.mat(dvdx, j)))
                             )
                             u_l = u_j + half * (u_over - swept_j * sound)
                             u_r = u_i - half * (u_over - swept_i * sound)
-                            left = side(u_l, get(p, j) + to_j * p_over, rho_l, get(cs, j), left.A)
+                            left = side(u_l, read.real(p, j) + to_j * p_over, rho_l, read.real(cs, j), left.A)
                             right = side(u_r, p_i - to_i * p_over, rho_r, cs_i, A_i)
                 u_star, p_star = interface(left, right, bears)
-                flux = -two * get(vol, j) * p_star
+                flux = -two * read.real(vol, j) * p_star
                 if wp.static(corrected):
                     w_ij = wp.where(near, w(r, h), zero)
-                    g_ij = of_pair(xij, dw, w_ij, tensor_at(K, own), at(G, own), h, gradient_ratio)
+                    g_ij = of_pair(xij, dw, w_ij, read.mat(K, own), read.vec(G, own), h, gradient_ratio)
                     other = j * on
-                    K_j, G_j = mirror.tensor(tensor_at(K, other), sign), mirror.vector(at(G, other), sign)
+                    K_j, G_j = (
+                        mirror.tensor(read.mat(K, other), sign),
+                        mirror.vector(read.vec(G, other), sign),
+                    )
                     q = half * (g_ij - of_pair(-xij, dw, w_ij, K_j, G_j, h, gradient_ratio))
                     dv = half * (vj - vi) + (u_star - half * (u_i + u_j)) * e
-                    kicked_j = mirror.vector(at(v, j), sign)
+                    kicked_j = mirror.vector(read.vec(v, j), sign)
                     dv_kicked = (
                         half * (kicked_j - kicked_i) + (u_star - half * dot(kicked_i + kicked_j, e)) * e
                     )
-                    rate += two * get(vol, j) * dot(dv, g_ij)
+                    rate += two * read.real(vol, j) * dot(dv, g_ij)
                     power += flux * dot(dv_kicked, q)
                     f = flux * q
                     f_x += f[0]
                     f_y += f[1]
                     f_z += f[2]
                 else:
-                    rate += two * get(vol, j) * (u_star - u_i) * (dw * r)
+                    rate += two * read.real(vol, j) * (u_star - u_i) * (dw * r)
                     power += flux * (u_star - dot(kicked_i, e)) * (dw * r)
                     f = (flux * dw) * xij
                     f_x += f[0]

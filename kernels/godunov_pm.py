@@ -6,7 +6,7 @@ import warp as wp
 
 from .correction import make_gradient
 from .interface import make_interface
-from .lanes import make_get, make_lanes
+from .lanes import make_lanes, make_reads
 from .material import make_material
 from .mirror import make_mirror
 from .smoothing import Smoothing
@@ -26,14 +26,7 @@ def make_godunov_pm(
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     dot, act = tensor.dot, tensor.act
     zero, half, one, two = real(0.0), real(0.5), real(1.0), real(2.0)
-    at, spot, get, entry, sym, tensor_at = (
-        make_get(vec),
-        make_get(point),
-        make_get(real),
-        make_get(wp.int32),
-        make_get(s.sym),
-        make_get(s.mat),
-    )
+    read = make_reads(s)
     lanes = make_lanes(s)
     worth, raised, value, row_end, Bits = lanes.worth, lanes.raised, lanes.value, lanes.row_end, lanes.Bits
     shear_share = real(0.75)
@@ -89,7 +82,7 @@ def make_godunov_pm(
         first = start[i]
         last = row_end(first, n_neigh[i])
         own = i * on  # K and G are one long where there is no correction
-        xi, vi, sig_i = spot(x, i), at(v, i), sig[i]
+        xi, vi, sig_i = read.point(x, i), read.vec(v, i), sig[i]
         rho_i, cl_i = rho[i], cl[i]
         Zt_i = shear_impedance(rho_i, cs[i], cl_i)
         A_i = materials[mat[i]].A_shock
@@ -105,35 +98,40 @@ def make_godunov_pm(
         zx, zy, zz = real(0.0), real(0.0), real(0.0)
         k = wp.int32(first)
         while k < last:
-            j = mirror.index(entry(neigh, k))
-            sign = mirror.sign(entry(neigh, k))
-            xij = mirror.apart(xi, spot(x, j), sign, plane)
+            j = mirror.index(read.integer(neigh, k))
+            sign = mirror.sign(read.integer(neigh, k))
+            xij = mirror.apart(xi, read.point(x, j), sign, plane)
             r2 = dot(xij, xij)
-            near = r2 < r_max2 and entry(neigh, k) != i
+            near = r2 < r_max2 and read.integer(neigh, k) != i
             if worth(near):
                 r = wp.sqrt(wp.where(near, r2, h * h))
                 dw, w_ij = wp.where(near, dw_r(r, h), zero), zero
                 if wp.static(corrected):
                     w_ij = wp.where(near, w(r, h), zero)
-                g = of_pair(xij, dw, w_ij, tensor_at(K, own), at(G, own), h, gradient_ratio)
+                g = of_pair(xij, dw, w_ij, read.mat(K, own), read.vec(G, own), h, gradient_ratio)
                 e = (one / r) * xij
                 slope = dot(e, g)
                 if wp.static(corrected):
                     other = j * on
-                    K_j, G_j = mirror.tensor(tensor_at(K, other), sign), mirror.vector(at(G, other), sign)
+                    K_j, G_j = (
+                        mirror.tensor(read.mat(K, other), sign),
+                        mirror.vector(read.vec(G, other), sign),
+                    )
                     slope = half * (slope - dot(e, of_pair(-xij, dw, w_ij, K_j, G_j, h, gradient_ratio)))
-                vj = mirror.vector(at(v, j), sign)
-                t_i, t_j = act(sig_i, e), act(mirror.symmetric(sym(sig, j), sign), e)
+                vj = mirror.vector(read.vec(v, j), sign)
+                t_i, t_j = act(sig_i, e), act(mirror.symmetric(read.sym(sig, j), sign), e)
                 u_i, u_j, p_i, p_j = dot(vi, e), dot(vj, e), -dot(t_i, e), -dot(t_j, e)
                 mu_top = raised(mu_top, wp.where(near and u_j > u_i, u_j - u_i, zero))
-                left = side(u_j, p_j, get(rho, j), get(cl, j), materials[entry(mat, j)].A_shock)
+                left = side(
+                    u_j, p_j, read.real(rho, j), read.real(cl, j), materials[read.integer(mat, j)].A_shock
+                )
                 right = side(u_i, p_i, rho_i, cl_i, A_i)
                 bears = bears_i
                 if wp.static(fragile):
-                    bears = bears and get(D, j) < materials[entry(mat, j)].D_tension
+                    bears = bears and read.real(D, j) < materials[read.integer(mat, j)].D_tension
                 u_star, p_star = interface(left, right, bears)
                 # the transverse vectors, by the acoustic solver; no traction between fluids, nor where the pair comes apart
-                Zt_j = shear_impedance(get(rho, j), get(cs, j), get(cl, j))
+                Zt_j = shear_impedance(read.real(rho, j), read.real(cs, j), read.real(cl, j))
                 vt_i, vt_j = vi - u_i * e, vj - u_j * e
                 s_i, s_j = t_i + p_i * e, t_j + p_j * e
                 slide = Zt_i + Zt_j == zero or not (bears or p_star > zero)
@@ -142,10 +140,10 @@ def make_godunov_pm(
                 vt = to_j * vt_j + to_i * vt_i + Z * (s_i - s_j)
                 st = Z * (Zt_i * s_j + Zt_j * s_i + (Zt_i * Zt_j) * (vt_i - vt_j))
                 dv = (u_star * e + vt) - vi
-                t = (two * get(vol, j) * slope) * (st - p_star * e)
+                t = (two * read.real(vol, j) * slope) * (st - p_star * e)
                 power += dot(t, dv)
                 f_x += t[0]
-                u = (two * get(vol, j)) * dv
+                u = (two * read.real(vol, j)) * dv
                 xx += u[0] * g[0]
                 if wp.static(dim > 1):
                     f_y += t[1]

@@ -7,7 +7,7 @@ import warp as wp
 from .correction import make_gradient
 from .coupling import make_counts
 from .kernel_type import EULERIAN
-from .lanes import make_get, make_lanes
+from .lanes import make_lanes, make_reads
 from .mirror import make_mirror
 from .smoothing import Smoothing
 from .spec import Spec
@@ -36,13 +36,7 @@ def make_kinematics(
     real, vec, mat, point = s.real, s.vec, s.mat, s.point
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    at, spot, get, entry, tensor_at = (
-        make_get(vec),
-        make_get(point),
-        make_get(real),
-        make_get(wp.int32),
-        make_get(s.mat),
-    )
+    read = make_reads(s)
     lanes = make_lanes(s)
     worth, row_end = lanes.worth, lanes.row_end
     dim, counts = s.dim, make_counts(separate, coupled)
@@ -86,7 +80,7 @@ def make_kinematics(
         first = start[i]
         last = row_end(first, n_neigh[i])
         own = i * wp.static(int(corrected))  # K and G are one long where there is no correction
-        xi, vi = spot(x, i), at(v, i)
+        xi, vi = read.point(x, i), read.vec(v, i)
         r_max2 = support * support * h * h
         # scalars, not a matrix: the compiler keeps them in registers
         xx, xy, xz = real(0.0), real(0.0), real(0.0)
@@ -94,21 +88,21 @@ def make_kinematics(
         zx, zy, zz = real(0.0), real(0.0), real(0.0)
         k = wp.int32(first)
         while k < last:
-            j = mirror.index(entry(neigh, k))
-            sign = mirror.sign(entry(neigh, k))
-            xij = mirror.apart(xi, spot(x, j), sign, plane)
+            j = mirror.index(read.integer(neigh, k))
+            sign = mirror.sign(read.integer(neigh, k))
+            xij = mirror.apart(xi, read.point(x, j), sign, plane)
             r2 = tensor.dot(xij, xij)
-            near = r2 < r_max2 and entry(neigh, k) != i
+            near = r2 < r_max2 and read.integer(neigh, k) != i
             if wp.static(separate or coupled):
-                near = near and counts(body[i], entry(body, j), entry(kernel_type, j))
+                near = near and counts(body[i], read.integer(body, j), read.integer(kernel_type, j))
             if worth(near):
                 r = wp.sqrt(r2)
-                vji = mirror.vector(at(v, j), sign) - vi
+                vji = mirror.vector(read.vec(v, j), sign) - vi
                 dw, w_ij = wp.where(near, dw_r(r, h), real(0.0)), real(0.0)
                 if wp.static(corrected):
                     w_ij = wp.where(near, w(r, h), real(0.0))
-                g = of_pair(xij, dw, w_ij, tensor_at(K, own), at(G, own), h, gradient_ratio)
-                u = get(vol, j) * vji
+                g = of_pair(xij, dw, w_ij, read.mat(K, own), read.vec(G, own), h, gradient_ratio)
+                u = read.real(vol, j) * vji
                 xx += u[0] * g[0]
                 if wp.static(dim > 1):
                     xy += u[0] * g[1]

@@ -2,7 +2,7 @@
 
 Such a loop counts up in a ``while`` (Warp's ``range`` may count down, and asks every time around), has no ``continue`` and
 stores nothing; it adds up scalars, and keeps a maximum by `raised`, a minimum by `lowered`. It reads its neighbours by
-`make_get`. What lies beyond the support is not left out but counts nothing, with W = W' = 0: a branch costs more than the
+`make_reads`. What lies beyond the support is not left out but counts nothing, with W = W' = 0: a branch costs more than the
 work it saves, except on a GPU (`worth`).
 Its module is built with ``s.module(..., lanes=True)``, which lets the compiler add in another order: the same in every run.
 
@@ -32,9 +32,25 @@ class Lanes(NamedTuple):
     Bits: type
 
 
+class Reads(NamedTuple):
+    """Device functions ``(a, i)`` that read the element i of an array, by the type of its elements."""
+
+    integer: wp.Function
+    real: wp.Function
+    vec: wp.Function
+    point: wp.Function
+    sym: wp.Function
+    mat: wp.Function
+
+
+def make_reads(s: Spec) -> Reads:
+    """Build the functions for one specialisation."""
+    return Reads(*map(_read, (wp.int32, s.real, s.vec, s.point, s.sym, s.mat)))
+
+
 @functools.cache
-def make_get(element: type) -> wp.Function:
-    """Build ``get(a, i)``, the element i of an array without gaps, number by number.
+def _read(element: type) -> wp.Function:
+    """Build the function that reads an array without gaps, number by number.
 
     Warp reads an array with the stride that it has at run time. The compiler then gathers even what lies side by side,
     and multiplies to find it; a vector of three single-precision numbers it reads in two pieces.

@@ -7,7 +7,7 @@ import warp as wp
 
 from .correction import make_gradient
 from .coupling import ALL, ARTIFICIAL_STRESS, FORCE, PURE, Coupling, make_coupling
-from .lanes import make_get, make_lanes
+from .lanes import make_lanes, make_reads
 from .mirror import make_mirror
 from .parts import ARTIFICIAL, VISCOUS, Parts, part_types
 from .parts import tag as tag_of
@@ -53,14 +53,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
     Accelerations, Powers = part_types(s, len(terms.parts))
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     dot, act = tensor.dot, tensor.act
-    at, spot, get, entry, sym, tensor_at = (
-        make_get(vec),
-        make_get(point),
-        make_get(real),
-        make_get(wp.int32),
-        make_get(s.sym),
-        make_get(s.mat),
-    )
+    read = make_reads(s)
     lanes = make_lanes(s)
     worth, raised, value, row_end, Bits = lanes.worth, lanes.raised, lanes.value, lanes.row_end, lanes.Bits
     switched, stressed = terms.switched, terms.artificial_stress
@@ -115,7 +108,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         first = start[i]
         last = row_end(first, n_neigh[i])
         own = i * on  # K and G are one long where there is no correction
-        xi, vi, sig_i = spot(x, i), at(v, i), sig[i]
+        xi, vi, sig_i = read.point(x, i), read.vec(v, i), sig[i]
         m_i, rho_i, cs_i, vol_i = m[i], rho[i], cs[i], vol[i]
         areal_i = m_i / vol_i
         r_max2 = support * support * h * h
@@ -129,44 +122,48 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         bits = wp.int32(wp.static(ALL))
         k = wp.int32(first)
         while k < last:
-            j = mirror.index(entry(neigh, k))
-            sign = mirror.sign(entry(neigh, k))
-            xij = mirror.apart(xi, spot(x, j), sign, plane)
+            j = mirror.index(read.integer(neigh, k))
+            sign = mirror.sign(read.integer(neigh, k))
+            xij = mirror.apart(xi, read.point(x, j), sign, plane)
             r2 = dot(xij, xij)
-            near = r2 < r_max2 and entry(neigh, k) != i
+            near = r2 < r_max2 and read.integer(neigh, k) != i
             if worth(near):
                 if wp.static(shared):
                     Xij = vec()
                     if wp.static(coupled):
-                        Xij = mirror.apart(spot(X, i), spot(X, j), sign, plane)
+                        Xij = mirror.apart(read.point(X, i), read.point(X, j), sign, plane)
                     bits = terms_of(
-                        kernel_type[i], entry(kernel_type, j), body[i] == entry(body, j), Xij, support * h
+                        kernel_type[i],
+                        read.integer(kernel_type, j),
+                        body[i] == read.integer(body, j),
+                        Xij,
+                        support * h,
                     )
                 r = wp.sqrt(r2)
                 dw = wp.where(near, dw_r(r, h), real(0.0))
                 w_ij = real(0.0)
                 if wp.static(terms.corrected):
                     w_ij = wp.where(near, w(r, h), real(0.0))
-                g_ij = of_pair(xij, dw, w_ij, tensor_at(K, own), at(G, own), h, gradient_ratio)
+                g_ij = of_pair(xij, dw, w_ij, read.mat(K, own), read.vec(G, own), h, gradient_ratio)
                 other = j * on
                 g_ji = of_pair(
                     -xij,
                     dw,
                     w_ij,
-                    mirror.tensor(tensor_at(K, other), sign),
-                    mirror.vector(at(G, other), sign),
+                    mirror.tensor(read.mat(K, other), sign),
+                    mirror.vector(read.vec(G, other), sign),
                     h,
                     gradient_ratio,
                 )
-                vji = mirror.vector(at(v, j), sign) - vi
+                vji = mirror.vector(read.vec(v, j), sign) - vi
                 g_mean = -g_ij
                 if wp.static(terms.corrected):
                     g_mean = half * (g_ji - g_ij)
-                pair_mass = get(m, j) * areal_i
+                pair_mass = read.real(m, j) * areal_i
                 if (bits & wp.static(FORCE)) != 0:
                     inner = act(sig_i, g_ij)
-                    stress = get(vol, j) * (inner - act(mirror.symmetric(sym(sig, j), sign), g_ji))
-                    power += get(vol, j) * dot(vji, inner)
+                    stress = read.real(vol, j) * (inner - act(mirror.symmetric(read.sym(sig, j), sign), g_ji))
+                    power += read.real(vol, j) * dot(vji, inner)
                     f_x += stress[0]
                     if wp.static(dim > 1):
                         f_y += stress[1]
@@ -176,13 +173,13 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                     mu_top = raised(mu_top, -mu_ij)
                     pi_ij = viscosity.pressure(
                         mu_ij,
-                        half * (cs_i + get(cs, j)),
-                        half * (rho_i + get(rho, j)),
+                        half * (cs_i + read.real(cs, j)),
+                        half * (rho_i + read.real(rho, j)),
                         viscosity_alpha,
                         viscosity_beta,
                     )
                     if wp.static(switched):
-                        pi_ij *= half * (av_switch[i] + get(av_switch, j))
+                        pi_ij *= half * (av_switch[i] + read.real(av_switch, j))
                     drag = (pair_mass * pi_ij) * g_mean
                     visc_power += dot(vji, drag)
                     visc_x += drag[0]
@@ -191,7 +188,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                     if wp.static(dim > 2):
                         visc_z += drag[2]
                 if wp.static(stressed):
-                    R_ij = R[i] + mirror.symmetric(sym(R, j), sign)
+                    R_ij = R[i] + mirror.symmetric(read.sym(R, j), sign)
                     # zero, unless one of the two is in tension
                     if (bits & wp.static(ARTIFICIAL_STRESS)) != 0 and tensor.trace(R_ij) < real(0.0):
                         f = w(r, h) * w_spacing

@@ -7,7 +7,7 @@ import warp as wp
 
 from .hourglass import make_hourglass
 from .kernel_type import ERODED, LAGRANGIAN
-from .lanes import make_get, make_lanes
+from .lanes import make_lanes, make_reads
 from .mirror import make_mirror
 from .parts import HOURGLASS, VISCOUS, Parts, part_types
 from .parts import tag as tag_of
@@ -57,13 +57,7 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
     viscous, zero_energy = (terms.parts.index(p) if p in terms.parts else 0 for p in (VISCOUS, HOURGLASS))
     restoring, w = make_hourglass(s), smoothing.w
     dot, product, half, zero, dim = tensor.dot, tensor.product, real(0.5), real(0.0), s.dim
-    at, spot, get, entry, tensor_at = (
-        make_get(vec),
-        make_get(point),
-        make_get(real),
-        make_get(wp.int32),
-        make_get(s.mat),
-    )
+    read = make_reads(s)
     lanes = make_lanes(s)
     raised, value, row_end, Bits = lanes.raised, lanes.value, lanes.row_end, lanes.Bits
     coupled, controlled = terms.coupled, terms.hourglass
@@ -77,8 +71,8 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
     def areal(rho: wp.array[real], thickness: wp.array[real], i: wp.int32):
         """Mass over volume in the space of the problem, μ."""
         if wp.static(terms.sheet):
-            return get(rho, i) * get(thickness, i)
-        return get(rho, i)
+            return read.real(rho, i) * read.real(thickness, i)
+        return read.real(rho, i)
 
     @wp.kernel(module=s.module(__name__, "_".join(p for p in (smoothing.name, terms.tag) if p), lanes=True))
     def momentum_lagrangian(
@@ -136,7 +130,7 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                 return
         first = start0[i]
         last = row_end(first, wp.where(kernel_type[i] == ERODED, 0, n_neigh0[i]))
-        xi, vi, P_i, cof_i = spot(x, i), at(v, i), P[i], cof[i]
+        xi, vi, P_i, cof_i = read.point(x, i), read.vec(v, i), P[i], cof[i]
         rho_i, cs_i, areal_i = rho[i], cs[i], areal(rho, thickness, i)
         # scalars, not vectors: the compiler keeps them in registers
         f_x, f_y, f_z, power = real(0.0), real(0.0), real(0.0), real(0.0)
@@ -145,23 +139,23 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
         mu_top = Bits(0)
         k = wp.int32(first)
         while k < last:
-            j = mirror.index(entry(neigh0, k))
-            sign = mirror.sign(entry(neigh0, k))
-            counts = entry(neigh0, k) != i
+            j = mirror.index(read.integer(neigh0, k))
+            sign = mirror.sign(read.integer(neigh0, k))
+            counts = read.integer(neigh0, k) != i
             if wp.static(terms.erosion):
-                counts = counts and entry(kernel_type, j) != ERODED
+                counts = counts and read.integer(kernel_type, j) != ERODED
             if wp.static(coupled):
-                counts = counts and (lagrangian or entry(kernel_type, j) == LAGRANGIAN)
-            own = wp.where(counts, real(get(slope0, k)), zero) * mirror.apart(
-                spot(X, i), spot(X, j), sign, plane
+                counts = counts and (lagrangian or read.integer(kernel_type, j) == LAGRANGIAN)
+            own = wp.where(counts, real(read.real(slope0, k)), zero) * mirror.apart(
+                read.point(X, i), read.point(X, j), sign, plane
             )
             back = -own
             if wp.static(terms.corrected):
-                weight = wp.where(counts, real(get(w0, k)), zero)
-                own -= weight * at(G0, i)
-                back -= weight * mirror.vector(at(G0, j), sign)
-            vji = mirror.vector(at(v, j), sign) - vi
-            stress = of_image(tensor_at(P, j), back, sign)
+                weight = wp.where(counts, real(read.real(w0, k)), zero)
+                own -= weight * read.vec(G0, i)
+                back -= weight * mirror.vector(read.vec(G0, j), sign)
+            vji = mirror.vector(read.vec(v, j), sign) - vi
+            stress = of_image(read.mat(P, j), back, sign)
             f_x -= stress[0]
             if wp.static(dim > 1):
                 f_y -= stress[1]
@@ -176,17 +170,17 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                         f_y += inner[1]
                     if wp.static(dim > 2):
                         f_z += inner[2]
-            xij = mirror.apart(xi, spot(x, j), sign, plane)
+            xij = mirror.apart(xi, read.point(x, j), sign, plane)
             mu_ij = viscosity.approach(wp.where(counts, -dot(vji, xij), zero), dot(xij, xij), h)
             mu_top = raised(mu_top, -mu_ij)
             pi_ij = viscosity.pressure(
                 mu_ij,
-                half * (cs_i + get(cs, j)),
-                half * (rho_i + get(rho, j)),
+                half * (cs_i + read.real(cs, j)),
+                half * (rho_i + read.real(rho, j)),
                 viscosity_alpha,
                 viscosity_beta,
             )
-            area = of_image(tensor_at(cof, j), back, sign) - product(cof_i, own)
+            area = of_image(read.mat(cof, j), back, sign) - product(cof_i, own)
             drag = (half * pi_ij * areal_i * areal(rho, thickness, j)) * area
             visc_power += dot(vji, drag)
             visc_x += drag[0]
@@ -195,13 +189,13 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
             if wp.static(dim > 2):
                 visc_z += drag[2]
             if wp.static(controlled):
-                Xij = mirror.apart(spot(X, i), spot(X, j), sign, plane)
+                Xij = mirror.apart(read.point(X, i), read.point(X, j), sign, plane)
                 r0, r = wp.sqrt(dot(Xij, Xij)), wp.sqrt(dot(xij, xij))
-                E_i, E_j = stiffness[mat[i]], stiffness[entry(mat, j)]
+                E_i, E_j = stiffness[mat[i]], stiffness[read.integer(mat, j)]
                 size = restoring(
-                    Xij, xij, F[i], mirror.tensor(tensor_at(F, j), sign), w(r0, h), hourglass, E_i, E_j
+                    Xij, xij, F[i], mirror.tensor(read.mat(F, j), sign), w(r0, h), hourglass, E_i, E_j
                 )
-                push = wp.where(counts, get(vol0, j) * size / wp.max(r, real(1.0e-6) * h), zero) * xij
+                push = wp.where(counts, read.real(vol0, j) * size / wp.max(r, real(1.0e-6) * h), zero) * xij
                 zero_power += dot(vji, push)
                 zero_x += push[0]
                 if wp.static(dim > 1):

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import warp as wp
 
-from .lanes import make_get, make_lanes
+from .lanes import make_lanes, make_reads
 from .spec import Spec
 
 RUNNING, DONE, STALE, COLLAPSED, NON_FINITE, INSIDE_OUT = range(6)
@@ -47,7 +47,7 @@ def make_timestep(
         switched: A switch scales the artificial viscosity.
     """
     real, vec, point = s.real, s.vec, s.point
-    at, spot, get = make_get(vec), make_get(point), make_get(real)
+    read = make_reads(s)
     lanes = make_lanes(s)
     lowered, finite, value, Bits = lanes.lowered, lanes.finite, lanes.value, lanes.Bits
     zero = real(0.0)
@@ -102,17 +102,19 @@ def make_timestep(
         k = wp.int32(0)
         while k < last:
             i = first + k * along
-            signal = viscosity_alpha * get(cs, i) + viscosity_beta * get(mu, i)
+            signal = viscosity_alpha * read.real(cs, i) + viscosity_beta * read.real(mu, i)
             if wp.static(switched):
-                signal *= get(av_switch, i)
-            check = get(rho, i) + get(e, i) + wp.dot(vec(spot(x, i)), at(v, i))
-            speed = get(cl, i) + share * signal
+                signal *= read.real(av_switch, i)
+            check = read.real(rho, i) + read.real(e, i) + wp.dot(vec(read.point(x, i)), read.vec(v, i))
+            speed = read.real(cl, i) + share * signal
             if wp.static(lagrangian):
-                speed *= get(shrink, i)
+                speed *= read.real(shrink, i)
             rate2 = real(0.0)
             if wp.static(contact):
-                rate2 = get(contact_rate, i)
-            dt_b = lowered(dt_b, limit(h, cfl, speed, rate2, wp.dot(at(dvdt, i), at(dvdt, i)), check))
+                rate2 = read.real(contact_rate, i)
+            dt_b = lowered(
+                dt_b, limit(h, cfl, speed, rate2, wp.dot(read.vec(dvdt, i), read.vec(dvdt, i)), check)
+            )
             k += 1
         block_dt[b] = value(dt_b)
 

@@ -172,7 +172,7 @@ def _checked(kernel: wp.Kernel, var, name: str, value: object) -> object:
         for array in value.arrays:
             _checked(kernel, var, name, array)
     if isinstance(value, wp.array):
-        if not value.is_contiguous:  # loops over lanes count on it, see `kernels.lanes.make_get`
+        if not value.is_contiguous:  # loops over lanes count on it, see `kernels.lanes.Reads`
             raise TypeError(f"{kernel.key}: array {name!r} has gaps")
         expected, found = var.type.dtype, value.dtype
         if not wp.types.types_equal(expected, found):
