@@ -135,7 +135,7 @@ def coarse_plate(monkeypatch):
     monkeypatch.setattr(series, "WARM_UP", 2)
     monkeypatch.setattr(series, "STEPS", 4)
     monkeypatch.setattr(compare, "PRECISIONS", ("float64",))
-    monkeypatch.setattr(report, "cores", lambda: 1)
+    monkeypatch.setattr(compare, "count_cores", lambda: 1)
 
 
 def test_lagrangian_steps_beside_eulerian_ones(coarse_plate, page):

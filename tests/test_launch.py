@@ -1,6 +1,7 @@
 """The launcher: binds by name, refuses what does not fit, and cuts launches into slices that cover them."""
 
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from warpsph.kernels.constitutive import make_constitutive
 from warpsph.kernels.spec import Spec
 from warpsph.launch import SMALLEST_LIGHT_SLICE, Launcher
 from warpsph.materials import pack
+from warpsph.team import Team
 
 SINGLE = {dim: Spec(dim, wp.float32) for dim in DOUBLE}
 
@@ -134,3 +136,33 @@ def test_a_launcher_of_one_thread_starts_none():
     n = 4 * SMALLEST_LIGHT_SLICE
     Launcher("cpu", 1).launch(scale, n, source=numbers(n), target=numbers(n), factor=1.0)
     assert threading.active_count() == before
+
+
+def test_an_interrupted_launch_ends_before_the_next_begins():
+    """What a helper had begun is done when the interruption is raised, and no later launch takes its end for its own."""
+    team, done = Team(2), []
+
+    def slow():
+        time.sleep(0.05)
+        done.append("slow")
+
+    def interrupted():
+        if threading.current_thread() is threading.main_thread():
+            raise KeyboardInterrupt
+        slow()
+
+    with pytest.raises(KeyboardInterrupt):
+        team.share([interrupted] * 8)
+    finished = len(done)
+    time.sleep(0.1)
+    assert len(done) == finished
+    team.share([slow, slow])
+    assert len(done) == finished + 2
+
+
+def test_a_launch_that_fails_in_any_thread_says_so():
+    def fail():
+        raise ValueError("no")
+
+    with pytest.raises(ValueError, match="no"):
+        Team(3).share([fail] * 6)

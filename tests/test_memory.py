@@ -146,3 +146,9 @@ def test_cells_fit_the_scene_and_the_number_of_particles(n, extent):
         assert found[dim:] == (1,) * (3 - dim) and most / 2 < np.prod(found) <= most
         images = [2.0 if axis in mirrored else 1.0 for axis in range(dim)]
         assert all(c >= k * size for c, k, size in zip(found, images, needed, strict=False))
+
+
+def test_cells_of_a_scene_that_is_nearly_empty():
+    """Two particles of millimetres, a hundred kilometres apart in all directions."""
+    counts = count_cells(np.array([[0.0, 0.0, 0.0], [1e5, 1e5, 1e5]]), 3, 1e-3)
+    assert FEWEST_CELLS // 2 < np.prod(counts) <= FEWEST_CELLS

@@ -1,5 +1,6 @@
 """The particles in the order of cells of space: what neighbours are looked up in."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -82,8 +83,8 @@ def count_cells(x: np.ndarray, dim: int, reach: float, mirrored: Sequence[int] =
         max(1 << int(np.ceil(np.log2(max(size, 1.0)))), few)
         for size, few in zip(extent, FEWEST, strict=False)
     ]
-    while np.prod(counts) > most:
+    while math.prod(counts) > most:  # of any size: np.prod would wrap around
         counts[int(np.argmax(counts))] //= 2
-    while 2 * np.prod(counts) <= most:
+    while 2 * math.prod(counts) <= most:
         counts[int(np.argmin(counts))] *= 2
     return tuple(counts + [1] * (3 - len(counts)))

@@ -48,7 +48,8 @@ def policy_of(device: wp.Device) -> Policy:
 def usage(solver: "Solver") -> dict[str, int]:
     """Bytes of device memory of every array of a solver, by owner and name, the largest first.
 
-    ``neighbours.block`` holds the rows' entries, and the work space of rebuilding them before. Work space that Warp keeps for itself is not counted.
+    ``neighbours.block`` holds the rows' entries, and the work space of rebuilding them before. Work space that Warp keeps
+    for itself is not counted.
     """
     found: dict[str, int] = {}
     seen: set[int] = set()

@@ -15,27 +15,30 @@ class Team:
     def __init__(self, threads: int):
         """Start ``threads`` - 1 helpers; they end with the team."""
         self._jobs: list[SimpleQueue] = [SimpleQueue() for _ in range(threads - 1)]
-        self._ended: SimpleQueue = SimpleQueue()
         for jobs in self._jobs:
-            Thread(target=_help, args=(jobs, self._ended), daemon=True).start()
+            Thread(target=_help, args=(jobs,), daemon=True).start()
         weakref.finalize(self, _dismiss, self._jobs)
 
     def share(self, pieces: list[Work]) -> None:
-        """Run all pieces, each by whoever is free; returns when all are done.
+        """Run all pieces, each by whoever is free; returns when all are done, also if it is interrupted meanwhile.
 
         Raises:
             Exception: What a piece raised.
         """
-        rest = iter(pieces)
+        rest, ended, failures = iter(pieces), SimpleQueue(), []
         for jobs in self._jobs:
-            jobs.put(rest)
-        failures = [_work(rest), *(self._ended.get() for _ in self._jobs)]
+            jobs.put((rest, ended))
+        try:
+            failures.append(_work(rest))
+        finally:
+            failures += [ended.get() for _ in self._jobs]
         for failure in filter(None, failures):
             raise failure
 
 
-def _help(jobs: SimpleQueue, ended: SimpleQueue) -> None:
-    while (rest := jobs.get()) is not None:
+def _help(jobs: SimpleQueue) -> None:
+    while (job := jobs.get()) is not None:
+        rest, ended = job
         ended.put(_work(rest))
 
 

@@ -9,7 +9,7 @@ from statistics import median
 from warpsph import library
 from warpsph.errors import InputError
 from warpsph.info import table
-from warpsph.launch import find_device
+from warpsph.launch import count_cores, find_device
 from warpsph.progress import Progress
 from warpsph.scene import Scene, SceneData
 from warpsph.solver import Solver
@@ -109,7 +109,7 @@ def _variants(device: str) -> list[Variant]:
     found = find_device(device)
     if found.is_cuda:
         return [Variant(device, precision, None) for precision in PRECISIONS]
-    everything = report.cores()
+    everything = count_cores()
     return [
         Variant(device, precision, threads) for threads in sorted({1, everything}) for precision in PRECISIONS
     ]

@@ -25,7 +25,7 @@ import warp as wp
 from warpsph import __version__
 from warpsph.balance import energy
 from warpsph.config import Contact, Conversion, Numerics
-from warpsph.launch import find_device
+from warpsph.launch import count_cores, find_device
 from warpsph.scene import Scene
 from warpsph.schemes import SCHEMES
 from warpsph.shapes import Box, Disc, Sphere
@@ -100,7 +100,7 @@ def facts(sheet: Sheet, device: str, _quick: bool, _deadline: float) -> None:
     told |= {
         "CUDA of Warp": ".".join(map(str, wp.get_cuda_toolkit_version() or ())),
         "Warp, NumPy, Python": f"{wp.__version__}, {np.__version__}, {platform.python_version()}",
-        "processor": f"{report.cores()} cores, {platform.machine()}",
+        "processor": f"{count_cores()} cores, {platform.machine()}",
         "warpsph": f"{__version__}, commit {os.environ.get('WARPSPH_COMMIT') or 'unknown'}",
     }
     for row in told.items():
@@ -118,7 +118,7 @@ def tests(sheet: Sheet, device: str, quick: bool, deadline: float) -> None:
         result = Path(folder) / "result.xml"
         command = [sys.executable, "-m", "pytest", "-q", "-x" if quick else "--maxfail=30", *chosen]
         command += ["--continue-on-collection-errors", "-p", "no:cacheprovider", f"--junitxml={result}"]
-        command += ["-n", str(min(report.cores(), 12))] * _has("xdist")
+        command += ["-n", str(min(count_cores(), 12))] * _has("xdist")
         child = subprocess.Popen(command, cwd=root)
         try:
             child.wait(max(deadline - time.monotonic(), 1.0))
@@ -234,7 +234,7 @@ def compare(sheet: Sheet, device: str, quick: bool, deadline: float) -> None:
         f"Largest differences after {UNTIL * 1e6:g} µs, relative to the largest value. Allowed: {AMPLIFIED:g} times "
         "the change that one rounding unit in the start makes on the CPU (in brackets), at least one unit."
     )
-    workers = min(report.cores(), 12)
+    workers = min(count_cores(), 12)
     with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
         jobs = {pool.submit(compare_one, case, device, quick): case for case in comparisons(quick)}
         try:

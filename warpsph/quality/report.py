@@ -12,6 +12,7 @@ import warp as wp
 
 from warpsph import __version__
 from warpsph.errors import InputError
+from warpsph.launch import count_cores
 from warpsph.storage import atomic
 
 LIBRARIES = ("warp-lang", "numpy")
@@ -66,11 +67,6 @@ def today() -> str:
     return datetime.date.today().isoformat()
 
 
-def cores() -> int:
-    """Processor cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 def _processor() -> str:
     """Name and number of cores of the processor."""
     name = platform.processor() or platform.machine()
@@ -79,7 +75,7 @@ def _processor() -> str:
         lines = table.read_text(errors="replace").splitlines()
         models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
         name = models[0] if models else name
-    return f"{name}, {cores()} cores"
+    return f"{name}, {count_cores()} cores"
 
 
 def commit() -> str:
