@@ -4,15 +4,7 @@ import numbers
 
 import numpy as np
 
-from .errors import InputError
-
-
-def refuse(name: str, value: object, allowed: str) -> InputError:
-    """Make the error of a value that is not allowed: names it, shows it, says what is allowed."""
-    shown = repr(value.tolist() if isinstance(value, np.ndarray | np.generic) else value)
-    return InputError(
-        f"{name} = {shown if len(shown) < 80 else shown[:76] + ' ...'} is not allowed; allowed: {allowed}"
-    )
+from .messages.values import refuse
 
 
 def number(name: str, value: object) -> float:

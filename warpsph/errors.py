@@ -1,4 +1,4 @@
-"""The two ways a run can go wrong: bad input, and a state that cannot go on."""
+"""The ways a run can go wrong: bad input, a state that cannot go on, a disk that takes no more."""
 
 
 class InputError(ValueError):
@@ -9,4 +9,11 @@ class RunError(RuntimeError):
     """A run that had to stop (non-finite state, collapsing time step, full disk). Exit code 3.
 
     The message is one line; for a particle it names id, body, material, position and cause.
+    """
+
+
+class DiskError(RunError):
+    """Output that could not be written: a full disk or quota, a folder that has vanished. Exit code 4.
+
+    The message names the file and the cause; everything written before stays readable.
     """

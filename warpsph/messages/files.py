@@ -1,0 +1,1 @@
+"""Files and folders that cannot be read or written: which one, why, what to do."""

@@ -1,0 +1,1 @@
+"""Runs that cannot go on, and runs that were ended: the particle, the cause, what goes on from there."""

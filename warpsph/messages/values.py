@@ -1,0 +1,26 @@
+"""Values from a user that are not allowed: the field, the value, what is allowed."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from warpsph.errors import InputError
+
+LONGEST = 80
+"""Characters of a value that are shown."""
+
+
+def refuse(name: str, value: object, allowed: str) -> InputError:
+    """A value is not allowed: names it, shows it, says what is allowed."""
+    return InputError(f"{name} = {shown(value)} is not allowed; allowed: {allowed}")
+
+
+def unknown(name: str, value: object, allowed: Iterable[object]) -> InputError:
+    """A name is none of those that there are."""
+    return InputError(f"{name} {shown(value)} is unknown; allowed: {', '.join(map(str, allowed))}")
+
+
+def shown(value: object) -> str:
+    """A value as it is shown: as Python writes it, cut where it is long."""
+    text = repr(value.tolist() if isinstance(value, np.ndarray | np.generic) else value)
+    return text if len(text) < LONGEST else text[: LONGEST - 4] + " ..."
