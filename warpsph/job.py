@@ -1,6 +1,5 @@
 """One run in progress: what is due when, what goes to the disk, and how it ends."""
 
-import contextlib
 import json
 import math
 import signal
@@ -15,8 +14,9 @@ import warp as wp
 from . import __version__
 from .balance import Balance, energy
 from .clock import Reading
-from .errors import RunError
+from .errors import DiskError, RunError
 from .kernels.parts import PARTS
+from .messages import files, stops
 from .progress import Progress
 from .scene import SceneData
 from .solver import Solver
@@ -87,7 +87,7 @@ class Job:
         self.step_wall, self.wall = info["step_wall"], info["wall"]
         later = snapshot.find(self.out)[self.next_snapshot :]  # the last snapshot of an interrupted run
         for path in later:
-            path.unlink()
+            atomic.remove(path)
 
     def finish(self, frames: bool) -> dict[str, Any]:
         """Run to the end, whatever ends it, and write the summary."""
@@ -96,11 +96,11 @@ class Job:
         try:
             with self._writer:
                 self._steps()
+            if not self._stop_asked:
+                self.history.close()
+                summary = self._summary()
         except RunError as error:
-            with contextlib.suppress(RunError):  # a full disk takes no last words
-                self._last_words(str(error))
-            written = snapshot.find(self.out)
-            raise RunError(f"{error}; last snapshot: {written[-1] if written else 'none'}") from error
+            raise self._stopped(error) from error
         finally:
             self.progress.stop()
             if before is not None:
@@ -110,10 +110,25 @@ class Job:
                 f"interrupted at t = {self.solver.reading.time:g} s; `warpsph resume {self.out}` goes on"
             )
             raise KeyboardInterrupt
-        summary = self._summary()
         if frames:
             self._frames(summary)
         return summary
+
+    def _stopped(self, error: RunError) -> RunError:
+        """Leave last words, as far as the disk takes them; gives the error with what is there of the run."""
+        lost = None
+        try:
+            self._last_words(str(error), whole=not isinstance(error, DiskError))
+        except Exception as another:  # whatever it is must not hide why the run stopped
+            lost = another
+        try:
+            last = (snapshot.find(self.out) or [None])[-1]
+            goes_on = any(self.out.glob("checkpoint*.h5"))
+        except OSError:
+            last, goes_on = None, False
+        if isinstance(error, DiskError):
+            return files.stopped(error, last, self.out, goes_on)
+        return stops.stopped(error, lost, last)
 
     def _on_interrupt(self, _signal, _frame) -> None:
         """Stop at the end of the batch; a second Ctrl-C stops at once."""
@@ -189,6 +204,7 @@ class Job:
         def write() -> None:
             snapshot.write(path, state)
             snapshot.series(path.parent, self._times)
+            self.history.sync()
             if going_on:
                 checkpoint.save(self.out / "checkpoint.h5", arrays, info)
             self._rooms.append(room)
@@ -204,11 +220,15 @@ class Job:
             "peaks": dict(self.peaks), "step_wall": self.step_wall, "wall": self._elapsed(), "device": self.solver.launcher.device.alias,
         }  # fmt: skip
 
-    def _last_words(self, why: str) -> None:
-        """Leave what is needed to look at a run that stopped early, and to go on after an interruption."""
+    def _last_words(self, why: str, whole: bool = True) -> None:
+        """Leave what is needed to look at a run that stopped early, and to go on after an interruption.
+
+        Only a ``whole`` one leaves more than the summary: a disk that takes no more has the run's checkpoint already.
+        """
         self.warnings.append(why)
-        self._writer.check()
-        self._take(self.next_snapshot, going_on=self._stop_asked)()
+        if whole:
+            self._writer.check()
+            self._take(self.next_snapshot, going_on=self._stop_asked)()
         self._summary()
 
     def _elapsed(self) -> float:
@@ -250,6 +270,8 @@ class Job:
 
         try:
             render(self.out)
+        except DiskError as error:
+            raise files.no_frames(error, self.out) from error
         except RunError as error:
             self.warnings.append(f"no frames: {error}")
             summary["warnings"].append(self.warnings[-1])

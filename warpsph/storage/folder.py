@@ -5,9 +5,14 @@ import shutil
 from pathlib import Path
 
 from warpsph.errors import InputError
+from warpsph.messages import files
 
 OURS = ("summary.json", "history.csv", "checkpoint.h5", "scene.py", "plot.png", "snapshots", "frames")
 """What a run writes, and so what ``force`` clears."""
+
+
+FOREIGN = (PermissionError, FileExistsError, FileNotFoundError, NotADirectoryError, IsADirectoryError)
+"""Failures at the start that another folder on the command line would put right."""
 
 
 def check(out: Path, force: bool) -> None:
@@ -32,6 +37,7 @@ def prepare(out: Path, force: bool) -> None:
 
     Raises:
         InputError: It cannot be used, see `check`.
+        DiskError: The disk does not take it.
     """
     check(out, force)
     try:
@@ -42,5 +48,7 @@ def prepare(out: Path, force: bool) -> None:
             else:
                 (out / name).unlink(missing_ok=True)
         (out / "snapshots").mkdir()
-    except OSError as error:
+    except FOREIGN as error:
         raise InputError(f"output folder {out} cannot be written: {error.strerror}") from error
+    except OSError as error:
+        raise files.unwritten(out, error) from error
