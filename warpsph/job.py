@@ -1,5 +1,6 @@
 """One run in progress: what is due when, what goes to the disk, and how it ends."""
 
+import contextlib
 import json
 import math
 import signal
@@ -121,6 +122,8 @@ class Job:
             self._last_words(str(error), whole=not isinstance(error, DiskError))
         except Exception as another:  # whatever it is must not hide why the run stopped
             lost = another
+        with contextlib.suppress(DiskError):
+            self.history.close()
         try:
             last = (snapshot.find(self.out) or [None])[-1]
             goes_on = any(self.out.glob("checkpoint*.h5"))

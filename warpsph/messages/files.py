@@ -58,6 +58,14 @@ def tight(out: Path, need: float, free: float) -> str:
     )
 
 
+def full_cache(cache: Path, need: float, free: float) -> DiskError:
+    """Kernels have to be compiled, and there is no room for them."""
+    return DiskError(
+        f"kernel cache {cache} has no room: kernels to compile take up to {amount(need)}, {amount(free)} are free; "
+        "free some space, or name another folder with WARP_CACHE_PATH"
+    )
+
+
 def amount(size: float) -> str:
     """An amount of memory as people read it: ``12.3 MB``."""
     for unit in ("B", "kB", "MB", "GB"):

@@ -31,7 +31,8 @@ def replacing(path: Path) -> Iterator[BinaryIO]:
     part = path.with_name(f".{path.name}.part")
     try:
         with naming(path):
-            with open(part, "w+b") as stream:
+            part.unlink(missing_ok=True)  # whatever has the name: a pipe would wait for a reader
+            with open(part, "x+b") as stream:
                 yield stream
                 stream.flush()
                 os.fsync(stream.fileno())

@@ -32,6 +32,20 @@ def check(out: Path, force: bool) -> None:
         )
 
 
+def free(out: Path) -> int | None:
+    """Bytes that are free for a run in a folder, which need not be there yet, once an earlier run's files are cleared.
+
+    None if the file system does not say.
+    """
+    try:
+        disk = shutil.disk_usage(next(place for place in (out, *out.absolute().parents) if place.exists()))
+        ours = (out / name for name in OURS)
+        earlier = [path for top in ours for path in ([top] if top.is_file() else top.rglob("*"))]
+        return disk.free + sum(path.stat().st_size for path in earlier) if disk.total else None
+    except OSError:
+        return None
+
+
 def prepare(out: Path, force: bool) -> None:
     """Make the folder, and clear an earlier run's files from it.
 

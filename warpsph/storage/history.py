@@ -80,9 +80,10 @@ class History:
         """Wait until all rows are on the disk, which may refuse them only then.
 
         Raises:
-            DiskError: If it does.
+            DiskError: If it does, or the file has been removed.
         """
         with atomic.naming(self.path):
+            self._size()
             os.fsync(self._stream.fileno())
 
     def close(self) -> None:
@@ -109,17 +110,21 @@ class History:
 
     def _append(self, line: bytes) -> None:
         """Write a line to the end of the file; if that fails half-way, take back what is there of it."""
-        there = os.fstat(self._stream.fileno())
-        if there.st_nlink == 0:  # the system would go on writing to a file that nobody can see
-            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
-        rest = memoryview(line)
+        before, rest = self._size(), memoryview(line)
         try:
             while rest:
                 rest = rest[self._stream.write(rest) :]
         except OSError:
             with contextlib.suppress(OSError):
-                self._stream.truncate(there.st_size)
+                self._stream.truncate(before)
             raise
+
+    def _size(self) -> int:
+        """Bytes in the file, which must still have a name: the system would go on writing where nobody can see it."""
+        there = os.fstat(self._stream.fileno())
+        if there.st_nlink == 0:
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
+        return there.st_size
 
 
 def read(path: Path) -> tuple[list[str], list[str], dict[str, np.ndarray]]:
