@@ -73,7 +73,9 @@ def _encode(part: Path, frames: Iterable[np.ndarray], shape: tuple[int, ...], co
     source = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{shape[1]}x{shape[0]}", "-r", f"{speed:.4f}"]
     coding = ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "10"]
     command = [get_ffmpeg_exe(), "-y", "-v", "error", *source, "-i", "-", "-an", *coding, str(part)]
-    pipe = subprocess.PIPE  # with Python's signals a file that is too large is an error, not the end of ffmpeg
+    pipe = (
+        subprocess.PIPE
+    )  # with Python's signals a file that is too large is an error, not the end of ffmpeg
     with subprocess.Popen(command, stdin=pipe, stderr=pipe, restore_signals=False) as film:
         try:
             for frame in frames:

@@ -30,7 +30,13 @@ CODES = (
 STRIDE = 2
 """Of the many calls that write a piece of a file every second is refused, of all others each."""
 
-HEADER = ("what takes no more", "tries", "exit code 4, one line", "earlier output whole", "gone on, and ends the same")
+HEADER = (
+    "what takes no more",
+    "tries",
+    "exit code 4, one line",
+    "earlier output whole",
+    "gone on, and ends the same",
+)
 
 STAGES = {
     "vtkhdf": "snapshot", "series": "index of snapshots", "h5": "checkpoint", "csv": "history", "json": "summary",
@@ -103,7 +109,15 @@ def refused_calls(bench: Bench, means: Means, table: Table) -> str:
         if refusal.fired is None:
             continue  # the order of calls differs by a few: the run and its writer take turns
         what, path = refusal.fired
-        judge(bench, table, f"a call refused, {stage(path)}", out, ended, os.strerror(code), f"{what} {path.name}")
+        judge(
+            bench,
+            table,
+            f"a call refused, {stage(path)}",
+            out,
+            ended,
+            os.strerror(code),
+            f"{what} {path.name}",
+        )
         if turn % 50 == 0:
             means.say(f"refused call {number} of {len(seen.seen)}")
     causes = ", ".join(os.strerror(code) for code in CODES)
@@ -123,7 +137,9 @@ def limited_files(bench: Bench, means: Means, table: Table) -> None:
         if ended[0]:
             judge(bench, table, name, out, ended, os.strerror(errno.EFBIG), f"limit {limit}")
     clear(out)
-    ended = separate(bench.words(out), preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000)))
+    ended = separate(
+        bench.words(out), preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+    )
     judge(bench, table, name, out, ended, os.strerror(errno.EFBIG), "a process of its own")
 
 
@@ -191,7 +207,9 @@ def streams(bench: Bench, means: Means, table: Table) -> None:
         wrong = None
         if ended != code or "Traceback" in said or "Exception ignored" in said:
             wrong = f"exit code {ended} instead of {code}; stderr: {said.strip()[-200:]!r}"
-        table.setdefault(f"{name} (exit code {code})", Tally()).add(wrong, _first(bench.harm_in(out)), bench.difference(out))
+        table.setdefault(f"{name} (exit code {code})", Tally()).add(
+            wrong, _first(bench.harm_in(out)), bench.difference(out)
+        )
 
 
 def small_disks(means: Means, table: Table) -> list[str]:

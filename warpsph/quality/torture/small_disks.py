@@ -77,7 +77,15 @@ def few_files(bench: Bench, place: Path, table: Table) -> list[str]:
             ended = bench.run(place / "out")
             if ended[0]:
                 enlarge(place, ",nr_inodes=1000")
-                judge(bench, table, "a disk with no room for another file", place / "out", ended, FULL, f"{count} files")
+                judge(
+                    bench,
+                    table,
+                    "a disk with no room for another file",
+                    place / "out",
+                    ended,
+                    FULL,
+                    f"{count} files",
+                )
     with mounted(place, f"size={AMPLE}k"):
         out = place / "out"
         with watched(_after_the_first_checkpoint()):
@@ -116,10 +124,23 @@ def pictures(scratch: Path, place: Path, table: Table) -> None:
             if ended[0] == 0:
                 continue
             enlarge(place)
-            judge(bench, table, f"a full disk, {_stage(ended[1])}", out, ended, FULL, f"{part:g} of the frames fit")
-    asked = [("graph", "plot", "plot.png", ()), ("frames", "render", "frames/speed_0000.png", ("--field", "speed"))]
+            judge(
+                bench,
+                table,
+                f"a full disk, {_stage(ended[1])}",
+                out,
+                ended,
+                FULL,
+                f"{part:g} of the frames fit",
+            )
+    asked = [
+        ("graph", "plot", "plot.png", ()),
+        ("frames", "render", "frames/speed_0000.png", ("--field", "speed")),
+    ]
     if importlib.util.find_spec("imageio_ffmpeg") is not None:
-        asked.append(("film", "render", "film.mp4", ("--movie", place / "film.mp4", "--output", scratch / "frames")))
+        asked.append(
+            ("film", "render", "film.mp4", ("--movie", place / "film.mp4", "--output", scratch / "frames"))
+        )
     for name, word, file, options in asked:
         with mounted(place, f"size={AMPLE}k"):
             out = place / "out"
@@ -133,7 +154,9 @@ def pictures(scratch: Path, place: Path, table: Table) -> None:
             (place / "filler").unlink()
             code, said = command(word, out, *options)
             late = None if code == 0 else f"with room it ended with {code}: {said.strip()[-200:]}"
-            table.setdefault(f"a full disk, {name} of a run that is done", Tally()).add(misbehaved(ended, FULL), harm, late)
+            table.setdefault(f"a full disk, {name} of a run that is done", Tally()).add(
+                misbehaved(ended, FULL), harm, late
+            )
 
 
 def fill(place: Path) -> None:
