@@ -206,6 +206,7 @@ class Job:
 
         def write() -> None:
             snapshot.write(path, state)
+            self._times[path.name] = state.time  # a failing disk need not read it back
             snapshot.series(path.parent, self._times)
             self.history.sync()
             if going_on:

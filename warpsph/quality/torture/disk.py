@@ -123,7 +123,8 @@ def refused_calls(bench: Bench, means: Means, table: Table) -> str:
     causes = ", ".join(os.strerror(code) for code in CODES)
     return (
         f"A run makes {len(seen.seen)} calls of the system that write output. {len(chosen)} of them were refused, one in each run, "
-        f"half of them together with all later ones, with these causes in turn: {causes}."
+        f"half of them together with all later ones, with these causes in turn: {causes}. "
+        "Where no other exit code is named, a run must end with 4 and one line that names the cause."
     )
 
 
