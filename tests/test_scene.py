@@ -253,7 +253,10 @@ BAD = {
     "energy": (lambda: two_bodies(square(), internal_energy=np.nan), "internal_energy of body 'ball' = nan"),
     "lattice": (lambda: two_bodies(square(), lattice="cubic"), "lattice 'cubic' is unknown"),
     "lattice of points": (lambda: two_bodies(GRID, lattice="rings"), "lattice of body 'ball' = 'rings'"),
-    "dimension": (lambda: two_bodies(Sphere(1.0)), "is a 3D shape; allowed: 2D shapes"),
+    "dimension": (
+        lambda: two_bodies(Sphere(1.0)),
+        "does not go with a problem in 2D; allowed: shapes in 2D, not in 3D",
+    ),
     "empty": (lambda: two_bodies(square(size=0.01)), "body 'ball' has no particles"),
     "empty cut": (lambda: two_bodies(square() - Disc(9.0)), "body 'ball' has no particles"),
     "material": (
@@ -261,7 +264,10 @@ BAD = {
         "material 'unobtainium' is unknown",
     ),
     "material type": (lambda: scene().add_body("c", square(), 3), "material of body 'c' = 3"),
-    "material name": (lambda: same_name_twice().finalize(), "material 'metal' stands for two sets"),
+    "material name": (
+        lambda: same_name_twice().finalize(),
+        "material 'metal' does not go with another of that name",
+    ),
     "velocity size": (lambda: two_bodies(square(), velocity=(1, 2, 3, 4)), "velocity of body 'ball'"),
     "velocity nan": (lambda: two_bodies(square(), velocity=(np.nan, 0)), "velocity of body 'ball'"),
     "velocity off plane": (lambda: two_bodies(square(), velocity=(0, 0, 1)), "zeros beyond the 2D problem"),
