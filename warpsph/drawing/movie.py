@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from warpsph.errors import InputError, RunError
-from warpsph.messages import files
+from warpsph.errors import RunError
+from warpsph.messages import files, machine, values
 from warpsph.storage import atomic
 
 SECONDS = 6.0
@@ -25,15 +25,15 @@ def check(path: Path) -> None:
     """
     path = Path(path)
     if path.suffix.lower() != ".mp4":
-        raise InputError(f"movie {str(path)!r} has another format; allowed: a name that ends in .mp4")
+        raise values.refuse("movie", str(path), "a name that ends in .mp4")
     if not path.parent.is_dir():
-        raise InputError(f"movie {str(path)!r} has no folder to go to: {path.parent} does not exist")
+        raise values.refuse(
+            "movie", str(path), f"a file in a folder that exists, which {path.parent} does not"
+        )
     try:
         importlib.import_module("imageio_ffmpeg")
     except ImportError as error:
-        raise InputError(
-            f'movie needs the package {error.name}; install it with: pip install "warpsph[movie]"'
-        ) from None
+        raise machine.no_package("movie", error.name, "movie") from None
 
 
 def write(path: Path, frames: Iterable[np.ndarray], count: int) -> None:
