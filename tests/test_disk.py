@@ -151,15 +151,16 @@ def test_a_folder_that_a_full_disk_refuses_is_no_bad_input(tmp_path):
 
 
 def test_kernels_are_not_compiled_into_a_full_disk(monkeypatch):
-    """The compiler would end the process."""
-    lacking = types.SimpleNamespace(get_module_identifier=lambda: "wp_no_such_module")
+    """The compiler would end the process; those that are there are no matter."""
+    made = collision().finalize()
+    kernels = Solver(made)._kernels()
     monkeypatch.setattr(shutil, "disk_usage", lambda path: types.SimpleNamespace(total=1e9, free=1000))
+    Solver(made)
+    monkeypatch.setattr(wp.config, "kernel_cache_dir", "no_such_cache")
     with pytest.raises(
-        DiskError, match=r"kernel cache .* has no room: .* up to 2 MB, 1 kB are free; .*WARP_CACHE_PATH"
+        DiskError, match=r"kernel cache no_such_cache has no room: .* MB, 1 kB are free; .*WARP_CACHE_PATH"
     ):
-        compilation._check_room([lacking])
-    there = next(path.name for path in os.scandir(wp.config.kernel_cache_dir) if path.is_dir())
-    compilation._check_room([types.SimpleNamespace(get_module_identifier=lambda: there)])
+        compilation.compile_modules(kernels, wp.get_device("cpu"))
 
 
 def test_a_film_that_does_not_fit_is_not_there(tmp_path):

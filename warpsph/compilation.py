@@ -34,16 +34,17 @@ def compile_modules(kernels: set[wp.Kernel], device: wp.Device) -> None:
         DiskError: If the disk of the kernel cache is too full for those that it lacks.
     """
     modules = sorted({kernel.module for kernel in kernels}, key=lambda module: module.name)
-    _check_room(modules)
+    _check_room(modules, device)
     wp.force_load(device, modules, max_workers=min(count_cores(), len(modules) // PER_THREAD))
 
 
-def _check_room(modules: Sequence[wp.Module]) -> None:
+def _check_room(modules: Sequence[wp.Module], device: wp.Device) -> None:
     """See that the kernel cache takes what has to be compiled: on a full disk the compiler would end the process."""
     cache = Path(wp.config.kernel_cache_dir)
     free = shutil.disk_usage(cache).free
     if free < PER_MODULE * len(modules):
-        lacking = [module for module in modules if not (cache / module.get_module_identifier()).is_dir()]
+        block = 1 if device.is_cpu else None  # a CPU's code is for blocks of one thread
+        lacking = [module for module in modules if not (cache / module.get_module_identifier(block)).is_dir()]
         if free < PER_MODULE * len(lacking):
             raise files.full_cache(cache, PER_MODULE * len(lacking), free)
 

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from warpsph.errors import RunError
 from warpsph.messages import files, machine, values
 from warpsph.storage import atomic
 
@@ -92,4 +91,4 @@ def _encode(part: Path, frames: Iterable[np.ndarray], shape: tuple[int, ...], co
             raise OSError(code, os.strerror(code))
     if film.returncode:
         reason = said.strip().splitlines() or [f"exit code {film.returncode}"]
-        raise RunError(f"no film could be made: {reason[-1]}")
+        raise machine.no_film(reason[-1])
