@@ -122,6 +122,7 @@ class Neighbours:
             return
         self._sort()
         if self.builds == 0 or (self.builds % SORT_EVERY == 0 and not self._selective):
+            self.block.views((p.largest, p.n))  # all fields move, or none if there is no memory for it
             p.reorder(self.cells.order, lambda dtype: self.block.views((dtype, p.n))[0])
             self._sort()
         self.builds += 1

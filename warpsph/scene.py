@@ -357,7 +357,7 @@ class Scene:
                 raise checks.refuse(f"lattice of body {name!r}", lattice, "none, for its points are given")
             return given_points(name, shape, self.spacing, self.dim), self.spacing**self.dim
         pattern = lattices.get("cartesian" if lattice is None else lattice)
-        x = pattern.fill(shape, self.spacing, self.dim)
+        x = pattern.fill(shape, self.spacing, self.dim, f"body {name!r}")
         if len(x) == 0:
             raise InputError(
                 f"body {name!r} has no particles: no lattice point lies in {shape}; allowed: a shape that "

@@ -138,7 +138,7 @@ def _trials(
         try:
             measured = trial.measure(trial.with_scheme(data, case), precision=precision, **options)
             done |= {"scene_s": seconds, "ceilings": best[precision], **measured}
-        except (RunError, MemoryError, RuntimeError) as error:
+        except (InputError, RunError, MemoryError, RuntimeError) as error:
             say(f"{case.name}, {precision}: {error}")
             done["failed"] = str(error)
         yield done
