@@ -10,6 +10,7 @@ from .lattices import coarse
 from .memory import policy_of
 from .messages import machine
 from .need import Need, estimate
+from .neighbours import MAX_PARTICLES
 from .scene import SceneData
 from .schemes.factory import make_scheme
 
@@ -27,8 +28,10 @@ def admit(
         say: Takes the line that says it.
 
     Raises:
-        InputError: It does not fit; says what would.
+        InputError: It does not fit; says what would. Or there are more particles than an entry of a row can name.
     """
+    if need.particles > MAX_PARTICLES:
+        raise machine.too_many(need.particles, MAX_PARTICLES)
     if say is not None:
         say(line(need, device))
     short = _short(need, device)

@@ -13,7 +13,7 @@ SEED = 20130611
 """Seed of their choice."""
 
 CHUNK = 1 << 20
-"""Particles that are sifted at a time."""
+"""Particles that are sifted, and pairs that are measured, at a time."""
 
 BINS = 1 << 20
 """Cells that are told apart when particles are sifted."""
@@ -52,11 +52,22 @@ def neighbours(data: SceneData, chosen: np.ndarray, radius: float, same_body: bo
         rows = _number(seekers, low, radius)[:, None] + _steps(data.dim)
         near, number = _surroundings(x, low, radius, rows)
         first, last = np.searchsorted(number, rows - 1), np.searchsorted(number, rows + 1, "right")
-        for k, i in enumerate(chosen):
-            j = np.concatenate([near[a:b] for a, b in zip(first[k], last[k], strict=True)])
+        candidates = np.sum(last - first, axis=1)
+        for some in np.array_split(np.arange(len(chosen)), 1 + int(candidates.sum()) // CHUNK):
+            k, place = _pairs(first[some], last[some])
+            k, j = some[k], near[place]
             close = np.sum((x[j] - seekers[k]) ** 2, axis=1) < radius**2
-            found[k] += np.count_nonzero(close & (data.body[j] == data.body[i]) if same_body else close)
+            if same_body:
+                close &= data.body[j] == data.body[chosen[k]]
+            found += np.bincount(k[close], minlength=len(chosen))
     return found
+
+
+def _pairs(first: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Each index k with every place of its ranges, ``first[k, :]`` up to ``last[k, :]``, both of shape [k, ranges]."""
+    length = (last - first).ravel()
+    start = np.repeat(first.ravel() - (np.cumsum(length) - length), length)
+    return np.repeat(np.arange(length.size) // first.shape[1], length), start + np.arange(len(start))
 
 
 def _number(x: np.ndarray, low: np.ndarray, width: float) -> np.ndarray:

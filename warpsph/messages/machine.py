@@ -23,6 +23,11 @@ def no_room(need: str, place: str, free: int, fits: Sequence[str]) -> InputError
     return InputError(f"{need} on {place}, where {size(free)} are free; allowed: {', or '.join(fits)}")
 
 
+def too_many(particles: int, most: int) -> InputError:
+    """There are more particles than one device can number."""
+    return InputError(f"particles = {particles} is out of range; allowed: up to {most} on one device")
+
+
 def too_fine(
     spacing: float, what: str, points: float, need: float, free: int | None, fits: str
 ) -> InputError:
