@@ -3,6 +3,7 @@
 import json
 import os
 import resource
+import shutil
 import subprocess
 import sys
 import time
@@ -60,6 +61,11 @@ PROCESSES = (Case(3, 200_000, "sav1"), Case(2, 500_000, "tl"), Case(3, 1_000_000
 def run(means: Means) -> Findings:
     """Compare estimates with what was taken, of solvers and of whole processes, and try what cannot fit."""
     found = Findings(("case", "said", "taken", "said/taken"))
+    found.notes.append(
+        "Estimates from the field table and a sample of neighbours, against the arrays of the solver, and against the "
+        "largest resident memory of a process (there: resident before, and what is said to come). Then what cannot fit, "
+        "with how long it takes to be refused and the resident memory of the process that refuses it."
+    )
     for case in QUICK if means.quick else FULL:
         means.say(f"{case.scheme}, {case.dim}D, {case.precision}")
         said, taken = against(case)
@@ -69,10 +75,6 @@ def run(means: Means) -> Findings:
         said, taken = process(case, means.scratch)
         _note(found, f"{_title(case)}, whole process with outputs", said, taken, (LEAST, MOST))
     _refusals(means, found)
-    found.notes.append(
-        "Estimates from the field table and a sample of neighbours, against the arrays of the solver, and against the "
-        "largest resident memory of a process (there: resident before, and what is said to come)."
-    )
     return found
 
 
@@ -95,6 +97,7 @@ def process(case: Case, folder: Path) -> tuple[int, int]:
         f"from {__name__} import child; child({case.dim}, {case.particles}, {case.scheme!r}, {str(folder)!r})"
     )
     shown = subprocess.run([sys.executable, "-c", call], capture_output=True, text=True, check=True)
+    shutil.rmtree(folder / "out")
     said, taken = json.loads(shown.stdout.splitlines()[-1])
     return said, taken
 
@@ -116,7 +119,7 @@ def child(dim: int, particles: int, scheme: str, folder: str) -> None:
 
     Solver.__init__ = noting
     wp.config.quiet = True
-    run_scene(made, Path(folder, f"{scheme}_{dim}d_{particles}"), frames=False)
+    run_scene(made, Path(folder, "out"), frames=False)
     print(json.dumps([sum(said), _resident("VmHWM")]))
 
 
