@@ -76,8 +76,10 @@ def _short(need: Need, device: wp.Device) -> tuple[str, int, int] | None:
 def _fitting(data: SceneData, need: Need, spec: Spec, device: wp.Device, share: float) -> list[str]:
     """What would fit: fewer particles, single precision, another device."""
     most = int(need.particles * share)
-    spacing = f", with a spacing of {coarse(data.spacing * share ** (-1.0 / data.dim)):g} m" if most else ""
-    found = [f"up to about {most} particles{spacing}"]
+    found = ["a machine, or limits, with more memory"]
+    if most:
+        spacing = coarse(data.spacing * share ** (-1.0 / data.dim))
+        found = [f"up to about {most} particles, with a spacing of {spacing:g} m"]
     single = Spec(data.dim, wp.float32, lanes=spec.lanes)
     if spec.real is not wp.float32 and _fits(data, single, device, need.copies):
         found.append("--precision float32")

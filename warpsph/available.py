@@ -9,6 +9,9 @@ import warp as wp
 SYSTEM = Path("/")
 """Where Linux shows what it knows of memory."""
 
+LIBRARIES = 400_000_000
+"""Bytes of address space that kernels and libraries map once a run has begun: HDF5, VTK, stacks of threads."""
+
 _VERSIONS = {
     "": ("sys/fs/cgroup", "memory.max", "memory.current", "inactive_file"),
     "memory": ("sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"),
@@ -65,7 +68,7 @@ def _address_space(root: Path) -> Iterator[int]:
     most = resource.getrlimit(resource.RLIMIT_AS)[0]
     pages = _text(root / "proc/self/statm").split()
     if most != resource.RLIM_INFINITY and pages:
-        yield most - int(pages[0]) * os.sysconf("SC_PAGE_SIZE")
+        yield most - int(pages[0]) * os.sysconf("SC_PAGE_SIZE") - LIBRARIES
 
 
 def _text(path: Path) -> str:

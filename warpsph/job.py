@@ -251,8 +251,10 @@ class Job:
         """Draw the frames; a machine that cannot draw has still run the scene."""
         from .render import render
 
+        self._rooms.clear()  # there are no more outputs, and drawing takes as much
         try:
-            render(self.out)
+            with exhaustion.told():
+                render(self.out)
         except RunError as error:
             self.warnings.append(f"no frames: {error}")
             summary["warnings"].append(self.warnings[-1])
