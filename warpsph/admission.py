@@ -8,7 +8,7 @@ from . import available
 from .kernels.spec import Spec
 from .lattices import coarse
 from .memory import policy_of
-from .messages import machine
+from .messages import machine, values
 from .need import Need, estimate
 from .neighbours import MAX_PARTICLES
 from .scene import SceneData
@@ -31,7 +31,7 @@ def admit(
         InputError: It does not fit; says what would. Or there are more particles than an entry of a row can name.
     """
     if need.particles > MAX_PARTICLES:
-        raise machine.too_many(need.particles, MAX_PARTICLES)
+        raise values.outside("particles", need.particles, f"up to {MAX_PARTICLES} on one device")
     if say is not None:
         say(line(need, device))
     short = _short(need, device)

@@ -5,7 +5,6 @@ of particles; it nears density times the shape's volume as the spacing shrinks. 
 spacing of a shape's surface count as on it, so that round-off never decides.
 """
 
-import difflib
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -15,8 +14,7 @@ import numpy as np
 
 from . import available, checks
 from .checks import vector3
-from .errors import InputError
-from .messages import machine
+from .messages import bodies, machine, values
 from .shapes import Shape
 
 ROUND_OFF = 1e-6
@@ -56,15 +54,13 @@ class Lattice(ABC):
         """
         checks.positive("spacing", spacing)
         if shape.dim != dim:
-            raise InputError(
-                f"{shape} is a {shape.dim}D shape; allowed: {dim}D shapes, as the problem is {dim}D"
-            )
+            raise values.clash(str(shape), f"a problem in {dim}D", f"shapes in {dim}D, not in {shape.dim}D")
         if dim not in self.dims:
             allowed = ", ".join(name for name, other in LATTICES.items() if dim in other.dims)
-            raise InputError(f"lattice {self} does not exist in {dim}D; allowed: {allowed}")
+            raise values.clash(f"lattice {self}", f"a problem in {dim}D", allowed)
         bounds = shape.bounds()
         if not np.isfinite(bounds[:, :dim]).all():
-            raise InputError(f"{shape} is unbounded; allowed: a half-space only to cut a finite shape")
+            raise bodies.unbounded(shape)
         self._check_room(bounds, spacing, dim, what)
         points = self.points(bounds, spacing, dim)
         inside = shape.contains(points, ROUND_OFF * spacing)
@@ -277,15 +273,8 @@ def _grid(axes: list[tuple[float, float, float, float]]) -> np.ndarray:
 
     Args:
         axes: Origin, first index, number of points and pitch along every axis; no points if a number is not positive.
-
-    Raises:
-        InputError: If there are more points than particles can be numbered.
     """
     counts = [max(count, 0) for _, _, count, _ in axes]
-    if np.prod(counts) > MOST_POINTS:
-        raise InputError(
-            f"spacing = {axes[0][3]:g} is too small: {np.prod(counts):.3g} lattice points; allowed: {MOST_POINTS}"
-        )
     index = np.ogrid[tuple(slice(int(count)) for count in counts)]
     points = np.zeros((*map(int, counts), 3))
     for axis, (origin, first, _, pitch) in enumerate(axes):
@@ -340,6 +329,4 @@ def get(lattice: str | Lattice) -> Lattice:
         return lattice
     if isinstance(lattice, str) and lattice in LATTICES:
         return LATTICES[lattice]
-    close = difflib.get_close_matches(str(lattice), LATTICES, 1)
-    hint = f" (did you mean {close[0]!r}?)" if close else ""
-    raise InputError(f"lattice {lattice!r} is unknown{hint}; allowed: {', '.join(LATTICES)}, or a Lattice")
+    raise values.unknown("lattice", lattice, LATTICES, "or a Lattice")

@@ -23,11 +23,6 @@ def no_room(need: str, place: str, free: int, fits: Sequence[str]) -> InputError
     return InputError(f"{need} on {place}, where {size(free)} are free; allowed: {', or '.join(fits)}")
 
 
-def too_many(particles: int, most: int) -> InputError:
-    """There are more particles than one device can number."""
-    return InputError(f"particles = {particles} is out of range; allowed: up to {most} on one device")
-
-
 def too_fine(
     spacing: float, what: str, points: float, need: float, free: int | None, fits: str
 ) -> InputError:
@@ -80,3 +75,15 @@ def size(count: float) -> str:
     while count >= 999.5 and power < len(PREFIXES) - 1:
         count, power = count / 1000.0, power + 1
     return f"{count:.3g} {PREFIXES[power]}B"
+
+
+def no_package(what: str, package: str, extra: str) -> InputError:
+    """Something needs a package that is not installed."""
+    return InputError(f'{what} needs the package {package}; install it with: pip install "warpsph[{extra}]"')
+
+
+def no_drawing() -> RunError:
+    """There is no OpenGL."""
+    return RunError(
+        "this machine cannot draw off screen: OpenGL is missing; install Mesa (apt install libegl1)"
+    )
