@@ -16,7 +16,6 @@ from tools import collision
 from warpsph import cli, compilation, footprint, streams
 from warpsph.drawing import movie
 from warpsph.errors import DiskError, InputError, RunError
-from warpsph.messages import files
 from warpsph.progress import Progress
 from warpsph.quality.torture import disk, faults
 from warpsph.quality.torture.trial import Means
@@ -226,9 +225,3 @@ def test_a_closed_stream_is_filled_before_a_file_takes_its_number(tmp_path):
     finally:
         os.dup2(kept, 0)
         os.close(kept)
-
-
-def test_amounts_read_well():
-    assert [files.amount(size) for size in (0, 999, 1234, 5.6e7, 3e9, 2e13)] == [
-        "0 B", "999 B", "1.23 kB", "56 MB", "3 GB", "20 TB",
-    ]  # fmt: skip

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import App, CycloptsError, Group, Parameter, UnusedCliTokensError
 
-from . import __version__, library, streams
+from . import __version__, exhaustion, library, streams
 from .errors import DiskError, InputError, RunError
 from .library import SceneFile
 from .messages import files
@@ -74,7 +74,8 @@ def _exit_code(make: Callable[[], App], tokens: list[str]) -> int:
 def _attempt(make: Callable[[], App], tokens: list[str]) -> int:
     """Run an application; gives its exit code."""
     try:
-        make()(tokens, exit_on_error=False, print_error=False, verbose=False)
+        with exhaustion.told():
+            make()(tokens, exit_on_error=False, print_error=False, verbose=False)
     except UnusedCliTokensError as error:
         return _complain(f"unexpected argument {(error.unused_tokens or ['?'])[0]!r}", INPUT)
     except (CycloptsError, InputError) as error:

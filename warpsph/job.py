@@ -12,7 +12,7 @@ from typing import Any
 
 import warp as wp
 
-from . import __version__
+from . import __version__, exhaustion
 from .balance import Balance, energy
 from .clock import Reading
 from .errors import DiskError, RunError
@@ -95,7 +95,7 @@ class Job:
         self.progress.start(self.until, self.solver.reading.time)
         before = signal.signal(signal.SIGINT, self._on_interrupt) if _in_main_thread() else None
         try:
-            with self._writer:
+            with exhaustion.told(), self._writer:
                 self._steps()
             if not self._stop_asked:
                 self.history.close()
@@ -119,7 +119,8 @@ class Job:
         """Leave last words, as far as the disk takes them; gives the error with what is there of the run."""
         lost = None
         try:
-            self._last_words(str(error), whole=not isinstance(error, DiskError))
+            with exhaustion.told():
+                self._last_words(str(error), whole=not isinstance(error, DiskError))
         except Exception as another:  # whatever it is must not hide why the run stopped
             lost = another
         with contextlib.suppress(DiskError):
@@ -248,7 +249,10 @@ class Job:
         now, data, ledger = self.solver.reading, self.data, self.solver.ledger()
         self.balance.update(ledger)
         n, steps = len(data.x), max(now.steps, 1)
-        neighbours = sum([*self.neighbours, self.solver.mean_neighbours()]) / (len(self.neighbours) + 1)
+        counts = list(self.neighbours)
+        with contextlib.suppress(RunError):  # rows that outgrew memory are not counted
+            counts.append(self.solver.mean_neighbours())
+        neighbours = sum(counts) / len(counts)
         per_step = 1e9 * self.step_wall / (n * steps)
         clipped = int(ledger["eos_clipped"])
         warnings = list(self.warnings)
@@ -272,8 +276,10 @@ class Job:
         """Draw the frames; a machine that cannot draw has still run the scene."""
         from .render import render
 
+        self._rooms.clear()  # there are no more outputs, and drawing takes as much
         try:
-            render(self.out)
+            with exhaustion.told():
+                render(self.out)
         except DiskError as error:
             raise files.no_frames(error, self.out) from error
         except RunError as error:

@@ -10,6 +10,7 @@ from .progress import Progress
 from .scene import Scene
 from .solver import Solver
 from .storage import atomic, checkpoint, folder
+from .storage.writer import PENDING
 
 
 def run(
@@ -47,10 +48,12 @@ def run(
         DiskError: Output could not be written; what was written before is whole.
         KeyboardInterrupt: After a clean ending on Ctrl-C.
     """
-    data = scene.finalize()
-    solver = Solver(data, device=device, precision=precision, threads=threads)
-    out = Path(out)
     progress = progress or Progress()
+    data = scene.finalize()
+    solver = Solver(
+        data, device=device, precision=precision, threads=threads, copies=PENDING, say=progress.message
+    )
+    out = Path(out)
     if warning := footprint.check(out, solver.particles, data.snapshots + 1):
         progress.message(warning)
     folder.prepare(out, force)
@@ -99,9 +102,11 @@ def resume(
             f"until = {end:g} s is before the checkpoint's time; allowed: {info['time']:g} or more"
         )
     data = load(out / "scene.py").build(**info["parameters"]).finalize()
+    progress = progress or Progress()
     solver = Solver(
-        data, device=device or info["device"], precision=info["solver"]["precision"], threads=threads
-    )
-    job = Job(solver, out, end, info["parameters"], progress or Progress())
+        data, device=device or info["device"], precision=info["solver"]["precision"], threads=threads,
+        copies=PENDING, say=progress.message,
+    )  # fmt: skip
+    job = Job(solver, out, end, info["parameters"], progress)
     job.go_on(arrays, info)
     return job.finish(frames)

@@ -6,6 +6,8 @@ from pathlib import Path
 
 from warpsph.errors import DiskError, InputError
 
+from .machine import size
+
 REMEDIES = {
     errno.ENOSPC: "free some space",
     errno.EDQUOT: "make room within the quota",
@@ -45,7 +47,7 @@ def no_frames(error: DiskError, out: Path) -> DiskError:
 def too_small(out: Path, need: float, free: float) -> InputError:
     """Not even the first output fits on the disk."""
     return InputError(
-        f"output folder {out} has no room: the first output takes about {amount(need)}, {amount(free)} are free; "
+        f"output folder {out} has no room: the first output takes about {size(need)}, {size(free)} are free; "
         "allowed: a disk with more, or fewer particles"
     )
 
@@ -53,7 +55,7 @@ def too_small(out: Path, need: float, free: float) -> InputError:
 def tight(out: Path, need: float, free: float) -> str:
     """The disk will be full before the run ends: a warning."""
     return (
-        f"warning: the whole run takes about {amount(need)} on the disk, {amount(free)} are free in {out}; "
+        f"warning: the whole run takes about {size(need)} on the disk, {size(free)} are free in {out}; "
         "it stops where the disk is full, and can be resumed with more"
     )
 
@@ -61,18 +63,9 @@ def tight(out: Path, need: float, free: float) -> str:
 def full_cache(cache: Path, need: float, free: float) -> DiskError:
     """Kernels have to be compiled, and there is no room for them."""
     return DiskError(
-        f"kernel cache {cache} has no room: kernels to compile take up to {amount(need)}, {amount(free)} are free; "
+        f"kernel cache {cache} has no room: kernels to compile take up to {size(need)}, {size(free)} are free; "
         "free some space, or name another folder with WARP_CACHE_PATH"
     )
-
-
-def amount(size: float) -> str:
-    """An amount of memory as people read it: ``12.3 MB``."""
-    for unit in ("B", "kB", "MB", "GB"):
-        if size < 999.5:
-            return f"{size:.3g} {unit}"
-        size /= 1000.0
-    return f"{size:.3g} TB"
 
 
 def _left(path: Path, error: OSError) -> str:
@@ -84,4 +77,4 @@ def _left(path: Path, error: OSError) -> str:
     except OSError:
         return ""
     files = ", none for another file" if disk.f_files and not disk.f_favail else ""
-    return f" ({amount(disk.f_bavail * disk.f_frsize)} free{files})"
+    return f" ({size(disk.f_bavail * disk.f_frsize)} free{files})"
