@@ -5,6 +5,7 @@ from typing import Any
 
 from .errors import InputError
 from .job import Job
+from .messages import files
 from .progress import Progress
 from .scene import Scene
 from .solver import Solver
@@ -62,16 +63,20 @@ def resume(
     until: float | None = None,
     threads: int | None = None,
     device: str | None = None,
+    precision: str | None = None,
     frames: bool = True,
     progress: Progress | None = None,
 ) -> dict[str, Any]:
-    """Go on with the run in a folder from its checkpoint, bit for bit as if it had not stopped there.
+    """Go on with the run in a folder from its newest whole checkpoint, bit for bit as if it had not stopped there.
+
+    On another device or in another precision it goes on too, and says that it is no longer bit for bit.
 
     Args:
         out: Folder of the run.
         until: New end time [s]; the run's own by default.
         threads: CPU threads; all cores by default.
         device: Another device than the run's.
+        precision: Another precision than the run's.
         frames: Draw a frame of every snapshot at the end.
         progress: Where progress goes.
 
@@ -83,19 +88,22 @@ def resume(
     from .library import load
 
     out = Path(out)
-    for name in ("checkpoint.h5", "scene.py"):
-        if not (out / name).is_file():
-            raise InputError(f"{out} cannot be resumed: {name} is missing; allowed: the folder of a run")
-    arrays, info = checkpoint.load(out / "checkpoint.h5")
+    source = out / "scene.py"
+    found = checkpoint.load_newest(out)
+    info = found.info
+    if not source.is_file():
+        raise files.no_checkpoint(out, source.name)
+    if checkpoint.digest(source) != info["scene_sha256"]:
+        raise files.scene_changed(source)
     end = info["until"] if until is None else until
     if info["time"] >= end:
         raise InputError(
             f"until = {end:g} s is not after the checkpoint's time; allowed: more than {info['time']:g}"
         )
-    data = load(out / "scene.py").build(**info["parameters"]).finalize()
+    data = load(source).build(**info["parameters"]).finalize()
     solver = Solver(
-        data, device=device or info["device"], precision=info["solver"]["precision"], threads=threads
+        data, device=device or info["device"], precision=precision or info["precision"], threads=threads
     )
     job = Job(solver, out, end, info["parameters"], progress or Progress())
-    job.go_on(arrays, info)
+    job.go_on(found)
     return job.finish(frames)

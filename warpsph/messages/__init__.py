@@ -6,5 +6,6 @@ where, and what to do.
 - `values`: a value from a user that is not allowed;
 - `files`: a file or folder that cannot be read or written;
 - `machine`: a device, memory or a library that is not there;
-- `stops`: a run that cannot go on, or that was ended.
+- `stops`: a run that cannot go on, or that was ended;
+- `remarks`: what is no exception, only said, while the run goes on.
 """

@@ -1,0 +1,24 @@
+"""What a user is told of a run that goes on all the same: one line each, also among the warnings of its summary."""
+
+from pathlib import Path
+
+
+def older_checkpoint(cause: str, path: Path, time: float) -> str:
+    """The newest checkpoint cannot be read; an older one [s] serves."""
+    return f"{cause}; going on from {path}, t = {time:g} s"
+
+
+def other_arithmetic(then: str, now: str, time: float) -> str:
+    """A run goes on from a time [s] on another device or in another precision."""
+    return (
+        f"up to t = {time:g} s this was computed {then}, from there on {now}: "
+        "no longer bit for bit what an unbroken run gives"
+    )
+
+
+def other_version(then: str, now: str, time: float) -> str:
+    """A run goes on from a time [s] with other versions of this program or of Warp."""
+    return (
+        f"up to t = {time:g} s this was computed by {then}, from there on by {now}: "
+        "perhaps no longer bit for bit what an unbroken run gives"
+    )
