@@ -116,21 +116,23 @@ class Neighbours:
         """Changes when ``neigh`` has moved in memory: launches must be bound again."""
         return self.search.generation
 
-    def build(self) -> None:
-        """Rebuild the rows, and re-sort the particles in memory first when it is time to."""
+    def build(self) -> bool:
+        """Rebuild the rows, and re-sort the particles in memory first when it is time to: True if they have moved."""
         p = self._particles
         if self.builds > 0 and not self._searching:
-            return
+            return False
         self._sort()
-        if self.builds == 0 or (self.builds % SORT_EVERY == 0 and not self._selective):
+        sorting = self.builds == 0 or (self.builds % SORT_EVERY == 0 and not self._selective)
+        if sorting:
             p.reorder(self.cells.order, lambda dtype: self.block.views((dtype, p.n))[0])
             self._sort()
         self.builds += 1
         if not self._searching:
             self.block.release()
-            return
+            return sorting
         self._list()
         self.unlisted.zero_()
+        return sorting
 
     def lasting(self) -> dict[str, wp.array]:
         """What the rows were built from, and whether they still serve, by name: `recall` makes them again from it."""

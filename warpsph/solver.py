@@ -181,7 +181,8 @@ class Solver:
 
     def relist(self) -> None:
         """Rebuild the neighbour rows now."""
-        self.neighbours.build()
+        if self.neighbours.build():
+            self._run_still(self._scheme.derive(self._bind))  # particles have moved in memory
 
     def prepare(self) -> None:
         """Compile and load every kernel of a step, without taking one."""
@@ -196,7 +197,7 @@ class Solver:
         if self.reference is not None:
             return self.reference.mean_count
         mean = self.neighbours.mean_count()
-        self.neighbours.build()
+        self.relist()
         return mean
 
     def advance(self, t_stop: float, on_batch: Callable[[Reading], bool] | None = None) -> None:
@@ -211,7 +212,7 @@ class Solver:
         now = self._plan()
         while now.status in (RUNNING, STALE):
             if now.status == STALE:
-                self.neighbours.build()
+                self.relist()
                 now = self._plan()
                 continue
             before = now
