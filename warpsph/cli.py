@@ -246,10 +246,10 @@ def render(
 
 
 def info(path: Path, /) -> None:
-    """Describe a run (its summary) or a snapshot (bodies, time, range of every quantity).
+    """Describe a run (its summary), a snapshot (bodies, time, range of every quantity) or a checkpoint.
 
     Args:
-        path: Folder of a run, or a .vtkhdf file.
+        path: Folder of a run, a .vtkhdf file, or a checkpoint .h5.
     """
     from .info import describe
 

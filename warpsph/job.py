@@ -112,7 +112,7 @@ class Job:
             self.progress.stop()
             if before is not None:
                 signal.signal(signal.SIGINT, before)
-        if self._stop_asked:
+        if self._stop_asked and self.solver.reading.time < self.until:
             self._last_words(
                 f"interrupted at t = {self.solver.reading.time:g} s; `warpsph resume {self.out}` goes on"
             )
@@ -134,9 +134,10 @@ class Job:
         while self.solver.reading.time < self.until and not self._stop_asked:
             start = time.perf_counter()
             self._paused = 0.0
-            self.solver.advance(self._target(), self._on_batch)
+            target = self._target()
+            self.solver.advance(target, self._on_batch)
             self.step_wall += time.perf_counter() - start - self._paused
-            if not self._stop_asked:
+            if self.solver.reading.time >= target:
                 self._row()
                 self._output()
 

@@ -11,7 +11,7 @@ def older_checkpoint(cause: str, path: Path, time: float) -> str:
 def other_arithmetic(then: str, now: str, time: float) -> str:
     """A run goes on from a time [s] on another device or in another precision."""
     return (
-        f"up to t = {time:g} s this was computed {then}, from there on {now}: "
+        f"computed {then} up to t = {time:g} s, and {now} from there on: "
         "no longer bit for bit what an unbroken run gives"
     )
 
@@ -19,6 +19,6 @@ def other_arithmetic(then: str, now: str, time: float) -> str:
 def other_version(then: str, now: str, time: float) -> str:
     """A run goes on from a time [s] with other versions of this program or of Warp."""
     return (
-        f"up to t = {time:g} s this was computed by {then}, from there on by {now}: "
+        f"computed by {then} up to t = {time:g} s, and by {now} from there on: "
         "perhaps no longer bit for bit what an unbroken run gives"
     )
