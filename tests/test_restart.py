@@ -206,6 +206,20 @@ def test_history_rows_of_what_is_done_again_are_there_once(stopped, ended):
     assert (stopped / "history.csv").read_text() == "".join(lines)
 
 
+def test_a_history_that_lost_rows_is_said(stopped, ended):
+    """The system went down: the checkpoint was on the disk, the last rows were not."""
+    lines = (stopped / "history.csv").read_text().splitlines(keepends=True)
+    (stopped / "history.csv").write_text("".join(lines[:-3]))
+    listener = Stopper(0)
+    summary = resume(stopped, frames=False, progress=listener)
+    assert (
+        summary["warnings"] == listener.said
+        and "history.csv has lost its rows after t = " in listener.said[0]
+    )
+    whole = (ended / "history.csv").read_text().splitlines(keepends=True)
+    assert (stopped / "history.csv").read_text() == "".join([*whole[: len(lines) - 3], *whole[len(lines) :]])
+
+
 def test_large_runs_read_the_clock_more_often(monkeypatch):
     """A few seconds pass at most until a run sees that it is to stop; what comes out is the same."""
     made = collision(speed=400.0)

@@ -17,6 +17,7 @@ from .balance import Balance, energy
 from .clock import Reading
 from .errors import RunError
 from .kernels.parts import PARTS
+from .messages import remarks
 from .progress import Progress
 from .scene import SceneData
 from .solver import Solver
@@ -88,13 +89,15 @@ class Job:
             setattr(self, name, value)
         self._row_time = info["row_time"]
         said = found.remarks + origin.differences(info, origin.header(self.solver, self.out))
+        if self.history.last != info["row_time"]:
+            said.append(remarks.history_lost(self.history.path, self.history.last, info["row_time"]))
         self.remarks = self.remarks + said
         self.warnings += self.remarks
         for line in said:
             self.progress.message(line)
-        later = snapshot.find(self.out)[self.next_snapshot :]  # the last snapshot of an interrupted run
-        for path in later:
-            path.unlink()
+        for path in snapshot.find(self.out):
+            if int(path.stem.rpartition("_")[2]) >= self.next_snapshot:  # of what is done again
+                path.unlink()
 
     def finish(self, frames: bool) -> dict[str, Any]:
         """Run to the end, whatever ends it, and write the summary."""

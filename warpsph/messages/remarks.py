@@ -22,3 +22,9 @@ def other_version(then: str, now: str, time: float) -> str:
         f"computed by {then} up to t = {time:g} s, and by {now} from there on: "
         "perhaps no longer bit for bit what an unbroken run gives"
     )
+
+
+def history_lost(path: Path, last: float | None, time: float) -> str:
+    """A history ends before the checkpoint's last row [s]: the system went down before it had them on the disk."""
+    since = "its rows" if last is None else f"its rows after t = {last:g} s"
+    return f"{path} has lost {since} up to t = {time:g} s; all else is whole"

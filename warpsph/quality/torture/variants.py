@@ -144,6 +144,9 @@ OPTIONS: dict[str, Variant] = {
     "adaptle-mixed, Eulerian from the start in part": Variant(
         {"scheme": "adaptle-mixed", "conversion": Conversion(strain=0.1)}, more=_eulerian_front
     ),
+    "sav2-mixed-as, thin skin: particles sorted in memory on the way": Variant(
+        {"scheme": "sav2-mixed-as", "skin": 0.1}, until=4e-6
+    ),
     "mon-mixed-as, symmetry planes": Variant(MON, more=_planes),
     "adaptle, symmetry planes": Variant(STRAIN, more=_planes),
     "mon-mixed-as, driven particles": Variant(MON, more=_driven),
