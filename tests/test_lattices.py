@@ -147,9 +147,12 @@ def test_a_tiny_disc_is_one_particle_or_few():
         (lambda: Rings("halves"), "allowed: cells, edges"),
         (
             lambda: Hexagonal().fill(Sphere(1.0), 0.1, 3),
-            "does not exist in 3D; allowed: cartesian, face-centred-cubic",
+            "does not go with a problem in 3D; allowed: cartesian, face-centred-cubic",
         ),
-        (lambda: Cartesian().fill(Sphere(1.0), 0.1, 2), "is a 3D shape; allowed: 2D shapes"),
+        (
+            lambda: Cartesian().fill(Sphere(1.0), 0.1, 2),
+            "does not go with a problem in 2D; allowed: shapes in 2D, not in 3D",
+        ),
         (lambda: Cartesian().fill(HalfSpace((0, 0), (1, 0)), 0.1, 2), "unbounded"),
         (
             lambda: Cartesian().fill(Disc(1.0), -0.1, 2),

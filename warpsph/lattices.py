@@ -5,7 +5,6 @@ of particles; it nears density times the shape's volume as the spacing shrinks. 
 spacing of a shape's surface count as on it, so that round-off never decides.
 """
 
-import difflib
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Literal
@@ -15,6 +14,7 @@ import numpy as np
 from . import checks
 from .checks import vector3
 from .errors import InputError
+from .messages import bodies, values
 from .shapes import Shape
 
 ROUND_OFF = 1e-6
@@ -46,15 +46,13 @@ class Lattice(ABC):
         """
         checks.positive("spacing", spacing)
         if shape.dim != dim:
-            raise InputError(
-                f"{shape} is a {shape.dim}D shape; allowed: {dim}D shapes, as the problem is {dim}D"
-            )
+            raise values.clash(str(shape), f"a problem in {dim}D", f"shapes in {dim}D, not in {shape.dim}D")
         if dim not in self.dims:
             allowed = ", ".join(name for name, other in LATTICES.items() if dim in other.dims)
-            raise InputError(f"lattice {self} does not exist in {dim}D; allowed: {allowed}")
+            raise values.clash(f"lattice {self}", f"a problem in {dim}D", allowed)
         bounds = shape.bounds()
         if not np.isfinite(bounds[:, :dim]).all():
-            raise InputError(f"{shape} is unbounded; allowed: a half-space only to cut a finite shape")
+            raise bodies.unbounded(shape)
         points = self.points(bounds, spacing, dim)
         inside = shape.contains(points, ROUND_OFF * spacing)
         return points if inside.all() else points[inside]
@@ -283,6 +281,4 @@ def get(lattice: str | Lattice) -> Lattice:
         return lattice
     if isinstance(lattice, str) and lattice in LATTICES:
         return LATTICES[lattice]
-    close = difflib.get_close_matches(str(lattice), LATTICES, 1)
-    hint = f" (did you mean {close[0]!r}?)" if close else ""
-    raise InputError(f"lattice {lattice!r} is unknown{hint}; allowed: {', '.join(LATTICES)}, or a Lattice")
+    raise values.unknown("lattice", lattice, LATTICES, "or a Lattice")

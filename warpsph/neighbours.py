@@ -5,10 +5,10 @@ import warp as wp
 
 from .block import Block
 from .cells import CellList, count_cells
-from .errors import InputError
 from .kernels.neighbours import make_neighbours
 from .launch import Launcher, Pieces
 from .memory import Policy
+from .messages import values
 from .particles import Particles
 from .rows import Rows
 from .tiles import Tiles
@@ -78,7 +78,7 @@ class Neighbours:
         """
         spec, n = particles.spec, particles.n
         if n > MAX_PARTICLES:
-            raise InputError(f"particles = {n} is out of range; allowed: up to {MAX_PARTICLES} on one device")
+            raise values.outside("particles", n, f"up to {MAX_PARTICLES} on one device")
         self._particles, self._launcher = particles, launcher
         self._selective, self._searching = selective, searching
         self.tiles = Tiles(particles, launcher, spacing, selective)
