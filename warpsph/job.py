@@ -57,7 +57,7 @@ class Job:
         self.step_wall, self.wall = 0.0, 0.0
         self.next_snapshot, self.next_row = 0, 0.0
         self.interval, self.row_interval = until / self.data.snapshots, until / HISTORY_ROWS
-        self.first_until, self.due = until, 0
+        self.ends, self.due = [until], 0  # ends so far, and how many intervals until the next output
         self.remarks: list[str] = []  # what was to be said when the run was gone on with
         self.warnings: list[str] = []
         self.peaks = {name: -math.inf for name, measure in self.data.measures.items() if measure.peak}
@@ -87,6 +87,7 @@ class Job:
         checkpoint.go_on_from(found.path)
         for name, value in info["job"].items():
             setattr(self, name, value)
+        self.ends = sorted({*self.ends, self.until})
         self._row_time = info["row_time"]
         said = found.remarks + origin.differences(info, origin.header(self.solver, self.out))
         if self.history.last != info["row_time"]:
@@ -145,12 +146,10 @@ class Job:
                 self._output()
 
     def _target(self) -> float:
-        """The next output time [s]: a multiple of the interval, or an end of the run, also an earlier one."""
-        target = min(self.due * self.interval, self.until)
-        for end in (self.first_until, self.until):
-            if abs(end - target) < 1e-6 * self.interval:
-                target = end
-        return target
+        """The next output time [s]: a multiple of the interval, or an end of the run, also one that it had before."""
+        ends = [end for end in self.ends if self.solver.reading.time < end]
+        due = min(self.due * self.interval, ends[0])
+        return ends[0] if ends[0] - due < 1e-6 * self.interval else due
 
     def _on_batch(self, now: Reading) -> bool:
         """Write what is due between two batches of steps; tells the solver whether to stop."""
@@ -215,7 +214,7 @@ class Job:
     def _info(self, solver: dict) -> dict[str, Any]:
         """Everything a restart needs besides the arrays; nothing in it changes later."""
         own = {
-            "interval": self.interval, "row_interval": self.row_interval, "first_until": self.first_until,
+            "interval": self.interval, "row_interval": self.row_interval, "ends": list(self.ends),
             "due": self.due, "next_snapshot": self.next_snapshot, "next_row": self.next_row,
             "neighbours": self.neighbours, "peaks": dict(self.peaks), "remarks": list(self.remarks),
             "step_wall": self.step_wall, "wall": self._elapsed(),
