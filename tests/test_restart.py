@@ -136,7 +136,7 @@ def test_another_version_goes_on_and_says_so(stopped, ended):
     edit(stopped / NEWEST, version="0.0.9")
     listener = Stopper(0)
     summary = resume(stopped, frames=False, progress=listener)
-    (line,) = listener.said
+    _, line = listener.said  # the first one tells the memory
     assert line.startswith("computed by warpsph 0.0.9 with Warp ") and "perhaps no longer bit for bit" in line
     assert summary["warnings"] == [line]
     assert not differences(ended, stopped)
@@ -147,11 +147,11 @@ def test_another_precision_goes_on_and_says_so(stopped, ended):
     listener = Stopper(4)
     with pytest.raises(KeyboardInterrupt):
         resume(stopped, precision="float32", frames=False, progress=listener)
-    (line,) = listener.said
+    _, line = listener.said  # the first one tells the memory
     assert "in float64 up to t = " in line and "in float32 from there on: no longer bit for bit" in line
     again = Stopper(0)
     summary = resume(stopped, frames=False, progress=again)
-    assert summary["precision"] == "float32" and summary["warnings"] == [line] and not again.said
+    assert summary["precision"] == "float32" and summary["warnings"] == [line] and len(again.said) == 1
     one, two = (snapshot.read(snapshot.find(out)[-1]) for out in (ended, stopped))
     assert one.time == two.time and one.x.dtype == np.float64 and two.x.dtype == np.float32
     np.testing.assert_allclose(two.x, one.x, atol=1e-5)
@@ -214,10 +214,8 @@ def test_a_history_that_lost_rows_is_said(stopped, ended):
     (stopped / "history.csv").write_text("".join(lines[:-3]))
     listener = Stopper(0)
     summary = resume(stopped, frames=False, progress=listener)
-    assert (
-        summary["warnings"] == listener.said
-        and "history.csv has lost its rows after t = " in listener.said[0]
-    )
+    assert summary["warnings"] == listener.said[1:]
+    assert "history.csv has lost its rows after t = " in listener.said[1]
     whole = (ended / "history.csv").read_text().splitlines(keepends=True)
     assert (stopped / "history.csv").read_text() == "".join([*whole[: len(lines) - 3], *whole[len(lines) :]])
 

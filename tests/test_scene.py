@@ -3,11 +3,12 @@
 import cProfile
 import pstats
 import time
+import tracemalloc
 
 import numpy as np
 import pytest
 
-from warpsph import materials
+from warpsph import materials, overlap
 from warpsph.config import Numerics
 from warpsph.errors import InputError
 from warpsph.lattices import Cartesian, CoreAndRings
@@ -135,6 +136,24 @@ def test_touching_bodies_and_a_plane_half_a_spacing_away_are_fine():
     s.add_symmetry_plane("y")
     s.add_symmetry_plane("x", 2.0)
     assert s.finalize().planes == ((1, 0.0), (0, 2.0))
+
+
+def test_close_pairs_are_compared_some_at_a_time(monkeypatch):
+    x = np.random.default_rng(5).uniform(size=(300, 2))
+    whole = close_pairs(x, 0.1)
+    monkeypatch.setattr(overlap, "_MANY", 7)
+    assert len(whole[0]) > 4 * len(x)  # it would stop there
+    monkeypatch.setattr(overlap, "_ENOUGH", 1000)
+    np.testing.assert_array_equal(close_pairs(x, 0.1), whole)
+
+
+def test_a_crowd_at_one_place_takes_no_memory_for_each_pair():
+    """Fifty thousand points would make a billion pairs."""
+    tracemalloc.start()
+    i, j = close_pairs(np.zeros((50_000, 3)), 1e-3)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert (i < j).all() and len(i) > 1 << 20 and peak < 3e8
 
 
 def test_close_pairs_agree_with_all_pairs():

@@ -10,6 +10,7 @@ from .progress import Progress
 from .scene import Scene
 from .solver import Solver
 from .storage import atomic, checkpoint, folder
+from .storage.writer import PENDING
 
 
 def run(
@@ -46,13 +47,16 @@ def run(
         RunError: The run had to stop; a last snapshot has been written.
         KeyboardInterrupt: After a clean ending on Ctrl-C.
     """
+    progress = progress or Progress()
     data = scene.finalize()
-    solver = Solver(data, device=device, precision=precision, threads=threads)
+    solver = Solver(
+        data, device=device, precision=precision, threads=threads, copies=PENDING, say=progress.message
+    )
     out = Path(out)
     folder.prepare(out, force)
     if source is not None:
         atomic.write(out / "scene.py", source.encode())
-    job = Job(solver, out, data.until if until is None else until, parameters or {}, progress or Progress())
+    job = Job(solver, out, data.until if until is None else until, parameters or {}, progress)
     job.begin()
     return job.finish(frames)
 
@@ -101,9 +105,11 @@ def resume(
             f"until = {end:g} s is not after the checkpoint's time; allowed: more than {info['time']:g}"
         )
     data = load(source).build(**info["parameters"]).finalize()
+    progress = progress or Progress()
     solver = Solver(
-        data, device=device or info["device"], precision=precision or info["precision"], threads=threads
-    )
-    job = Job(solver, out, end, info["parameters"], progress or Progress())
+        data, device=device or info["device"], precision=precision or info["precision"], threads=threads,
+        copies=PENDING, say=progress.message,
+    )  # fmt: skip
+    job = Job(solver, out, end, info["parameters"], progress)
     job.go_on(found)
     return job.finish(frames)

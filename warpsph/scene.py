@@ -357,7 +357,7 @@ class Scene:
                 raise checks.refuse(f"lattice of body {name!r}", lattice, "none, for its points are given")
             return given_points(name, shape, self.spacing, self.dim), self.spacing**self.dim
         pattern = lattices.get("cartesian" if lattice is None else lattice)
-        x = pattern.fill(shape, self.spacing, self.dim)
+        x = pattern.fill(shape, self.spacing, self.dim, f"body {name!r}")
         if len(x) == 0:
             raise bodies.empty(name, shape, self.spacing)
         return x, pattern.cell_volume(self.spacing, self.dim)

@@ -11,7 +11,7 @@ from typing import Any
 import warp as wp
 
 from warpsph import library
-from warpsph.errors import RunError
+from warpsph.errors import InputError, RunError
 from warpsph.info import table
 from warpsph.launch import Launcher, find_device
 from warpsph.messages import values
@@ -138,7 +138,7 @@ def _trials(
         try:
             measured = trial.measure(trial.with_scheme(data, case), precision=precision, **options)
             done |= {"scene_s": seconds, "ceilings": best[precision], **measured}
-        except (RunError, MemoryError, RuntimeError) as error:
+        except (InputError, RunError, MemoryError, RuntimeError) as error:
             say(f"{case.name}, {precision}: {error}")
             done["failed"] = str(error)
         yield done
