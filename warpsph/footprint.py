@@ -11,6 +11,7 @@ from .storage import folder
 
 if TYPE_CHECKING:
     from .particles import Particles
+    from .solver import Solver
 
 CHECKPOINTS = 3
 """Checkpoints that are on the disk at a time: the last two, and the one being written."""
@@ -19,12 +20,12 @@ CELLS = 16
 """Bytes of a particle's vertex in a snapshot, see `storage.snapshot`."""
 
 
-def check(out: Path, particles: "Particles", snapshots: int) -> str | None:
+def check(out: Path, solver: "Solver", snapshots: int) -> str | None:
     """Compare what a run will write with what is free.
 
     Args:
         out: Output folder, which need not be there; what an earlier run left in it counts as free.
-        particles: Those of the run.
+        solver: The run.
         snapshots: How many it will write.
 
     Returns:
@@ -36,16 +37,16 @@ def check(out: Path, particles: "Particles", snapshots: int) -> str | None:
     free = folder.free(out)
     if free is None:
         return None
-    one, checkpoint = snapshot_size(particles), checkpoint_size(particles)
+    one, checkpoint = snapshot_size(solver.particles), checkpoint_size(solver)
     if one + checkpoint > free:
         raise files.too_small(out, one + checkpoint, free)
     whole = snapshots * one + CHECKPOINTS * checkpoint
     return files.tight(out, whole, free) if whole > free else None
 
 
-def checkpoint_size(particles: "Particles") -> int:
-    """Bytes of a checkpoint, but for some kilobytes: every field as it is on the device."""
-    return sum(_entry(particles, f.name) for f in particles.fields) * particles.n
+def checkpoint_size(solver: "Solver") -> int:
+    """Bytes of a checkpoint, but for some kilobytes: what lasts from step to step, as it is on the device."""
+    return sum(array.capacity for array in solver.lasting().values())
 
 
 def snapshot_size(particles: "Particles") -> int:

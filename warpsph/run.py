@@ -6,6 +6,7 @@ from typing import Any
 from . import footprint
 from .errors import InputError
 from .job import Job
+from .messages import files
 from .progress import Progress
 from .scene import Scene
 from .solver import Solver
@@ -54,7 +55,7 @@ def run(
         data, device=device, precision=precision, threads=threads, copies=PENDING, say=progress.message
     )
     out = Path(out)
-    if warning := footprint.check(out, solver.particles, data.snapshots + 1):
+    if warning := footprint.check(out, solver, data.snapshots + 1):
         progress.message(warning)
     folder.prepare(out, force)
     if source is not None:
@@ -70,16 +71,20 @@ def resume(
     until: float | None = None,
     threads: int | None = None,
     device: str | None = None,
+    precision: str | None = None,
     frames: bool = True,
     progress: Progress | None = None,
 ) -> dict[str, Any]:
-    """Go on with the run in a folder from its checkpoint, bit for bit as if it had not stopped there.
+    """Go on with the run in a folder from its newest whole checkpoint, bit for bit as if it had not stopped there.
+
+    On another device or in another precision it goes on too, and says that it is no longer bit for bit.
 
     Args:
         out: Folder of the run.
         until: New end time [s]; the run's own by default.
         threads: CPU threads; all cores by default.
         device: Another device than the run's.
+        precision: Another precision than the run's.
         frames: Draw a frame of every snapshot at the end.
         progress: Where progress goes.
 
@@ -92,21 +97,24 @@ def resume(
     from .library import load
 
     out = Path(out)
-    for name in ("checkpoint.h5", "scene.py"):
-        if not (out / name).is_file():
-            raise InputError(f"{out} cannot be resumed: {name} is missing; allowed: the folder of a run")
-    arrays, info = checkpoint.load(out / "checkpoint.h5")
+    source = out / "scene.py"
+    found = checkpoint.load_newest(out)
+    info = found.info
+    if not source.is_file():
+        raise files.no_checkpoint(out, source.name)
+    if checkpoint.digest(source) != info["scene_sha256"]:
+        raise files.scene_changed(source)
     end = info["until"] if until is None else until
     if info["time"] > end:
         raise InputError(
             f"until = {end:g} s is before the checkpoint's time; allowed: {info['time']:g} or more"
         )
-    data = load(out / "scene.py").build(**info["parameters"]).finalize()
+    data = load(source).build(**info["parameters"]).finalize()
     progress = progress or Progress()
     solver = Solver(
-        data, device=device or info["device"], precision=info["solver"]["precision"], threads=threads,
+        data, device=device or info["device"], precision=precision or info["precision"], threads=threads,
         copies=PENDING, say=progress.message,
     )  # fmt: skip
     job = Job(solver, out, end, info["parameters"], progress)
-    job.go_on(arrays, info)
+    job.go_on(found)
     return job.finish(frames)

@@ -78,3 +78,21 @@ def _left(path: Path, error: OSError) -> str:
         return ""
     files = ", none for another file" if disk.f_files and not disk.f_favail else ""
     return f" ({size(disk.f_bavail * disk.f_frsize)} free{files})"
+
+
+def no_checkpoint(folder: Path, name: str) -> InputError:
+    """A folder holds nothing that a run could go on from."""
+    return InputError(f"{folder} cannot be resumed: {name} is missing; allowed: the folder of a run")
+
+
+def no_whole_checkpoint(causes: list[str]) -> InputError:
+    """Every checkpoint that there is cannot be read; ``causes`` names each."""
+    return InputError(f"{'; '.join(causes)}; there is no other to go on from: start the run anew")
+
+
+def scene_changed(path: Path) -> InputError:
+    """The scene is not the one that a checkpoint is of."""
+    return InputError(
+        f"{path} was changed since the checkpoint; put the old text back, or start a new run of it: "
+        f"warpsph run {path} --out FOLDER"
+    )

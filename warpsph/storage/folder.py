@@ -7,7 +7,13 @@ from pathlib import Path
 from warpsph.errors import InputError
 from warpsph.messages import files
 
-OURS = ("summary.json", "history.csv", "checkpoint.h5", "scene.py", "plot.png", "snapshots", "frames")
+NEWEST, PREVIOUS, DAMAGED = "checkpoint.h5", "checkpoint_previous.h5", "checkpoint_damaged.h5"
+"""The last checkpoint of a run, the one before, and one that was found damaged when the run went on."""
+
+OURS = (
+    *("summary.json", "history.csv", NEWEST, PREVIOUS, DAMAGED),
+    *("scene.py", "plot.png", "snapshots", "frames"),
+)
 """What a run writes, and so what ``force`` clears."""
 
 
@@ -66,3 +72,8 @@ def prepare(out: Path, force: bool) -> None:
         raise InputError(f"output folder {out} cannot be written: {error.strerror}") from error
     except OSError as error:
         raise files.unwritten(out, error) from error
+
+
+def checkpoints(out: Path) -> list[Path]:
+    """The checkpoints of a run that there are, the newest first."""
+    return [out / name for name in (NEWEST, PREVIOUS) if (out / name).is_file()]
