@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from .errors import InputError
+from .guards import Action
 from .job import Job
 from .progress import Progress
 from .scene import Scene
@@ -19,6 +20,8 @@ def run(
     precision: str = "float64",
     threads: int | None = None,
     until: float | None = None,
+    energy_limit: float | None = None,
+    on_trouble: Action | None = None,
     force: bool = False,
     parameters: dict[str, Any] | None = None,
     source: str | None = None,
@@ -34,6 +37,8 @@ def run(
         precision: ``float64``, ``float32``, or ``mixed``: float32 with positions in float64.
         threads: CPU threads; all cores by default.
         until: End time [s]; the scene's own by default.
+        energy_limit: Limit of the energy error, in place of the scene's guards'.
+        on_trouble: What all guards do, in place of what the scene says.
         force: Clear an earlier run's files from ``out``.
         parameters: Scene parameters, for the summary and for `resume`.
         source: Text of the scene file, for `resume`.
@@ -47,6 +52,7 @@ def run(
     """
     data = scene.finalize()
     solver = Solver(data, device=device, precision=precision, threads=threads)
+    solver.watch.change(energy_limit, on_trouble)
     out = Path(out)
     folder.prepare(out, force)
     if source is not None:
@@ -60,6 +66,8 @@ def resume(
     out: Path,
     *,
     until: float | None = None,
+    energy_limit: float | None = None,
+    on_trouble: Action | None = None,
     threads: int | None = None,
     device: str | None = None,
     frames: bool = True,
@@ -70,6 +78,8 @@ def resume(
     Args:
         out: Folder of the run.
         until: New end time [s]; the run's own by default.
+        energy_limit: Another limit of the energy error from now on.
+        on_trouble: What all guards do from now on, in place of what they did.
         threads: CPU threads; all cores by default.
         device: Another device than the run's.
         frames: Draw a frame of every snapshot at the end.
@@ -98,4 +108,5 @@ def resume(
     )
     job = Job(solver, out, end, info["parameters"], progress or Progress())
     job.go_on(arrays, info)
+    solver.watch.change(energy_limit, on_trouble)
     return job.finish(frames)

@@ -11,6 +11,7 @@ from . import checks, lattices, materials
 from .body import Body, Velocity, given_points, initial_velocity, particle_volume
 from .config import Numerics
 from .errors import InputError
+from .guards import Guards
 from .lattices import Lattice
 from .materials import Material
 from .overlap import close_pairs
@@ -67,6 +68,7 @@ class SceneData:
         materials: Materials, each once.
         planes: Symmetry planes as (axis 0, 1 or 2, position [m]); all particles lie on one side of each.
         measures: Measures by name.
+        guards: What the run watches for.
     """
 
     name: str
@@ -89,6 +91,7 @@ class SceneData:
     materials: list[Material]
     planes: tuple[tuple[int, float], ...]
     measures: dict[str, Measure]
+    guards: Guards
 
     def __repr__(self) -> str:
         return f"SceneData({self.name!r}, {self.dim}D, {len(self.x)} particles, bodies: {', '.join(self.bodies)})"
@@ -110,6 +113,7 @@ class Scene:
         numerics: Numerical settings.
         until: End time [s].
         snapshots: Number of snapshots after the first.
+        guards: What the run watches for.
         bodies: Bodies by name.
         planes: Symmetry planes as (axis, position [m]).
         measures: Measures by name.
@@ -124,6 +128,7 @@ class Scene:
         until: float,
         numerics: Numerics | None = None,
         snapshots: int = 20,
+        guards: Guards | None = None,
     ):
         """Start an empty scene.
 
@@ -138,10 +143,13 @@ class Scene:
             raise checks.refuse("snapshots", snapshots, "a whole number, at least 1")
         if not isinstance(numerics, Numerics | None):
             raise checks.refuse("numerics", numerics, "warpsph.config.Numerics(...)")
+        if not isinstance(guards, Guards | None):
+            raise checks.refuse("guards", guards, "warpsph.Guards(...)")
         self.name, self.dim, self.snapshots = name, int(dim), int(snapshots)
         self.spacing = checks.positive("spacing", spacing)
         self.until = checks.positive("until", until)
         self.numerics = numerics or Numerics()
+        self.guards = guards or Guards()
         self.bodies: dict[str, Body] = {}
         self.planes: list[tuple[int, float]] = []
         self.measures: dict[str, Measure] = {}
@@ -321,7 +329,7 @@ class Scene:
 
         Raises:
             InputError: If there are no bodies, bodies overlap, particles coincide, two materials share a name, or
-                particles lie beyond a symmetry plane or on it.
+                particles lie beyond a symmetry plane or on it, or outside of the domain.
         """
         if not self.bodies:
             raise InputError(f"scene {self.name!r} has no bodies; allowed: at least one, by add_body")
@@ -342,10 +350,12 @@ class Scene:
             fixed=np.concatenate([b.fixed for b in parts]),
             eulerian=np.concatenate([b.eulerian for b in parts]),
             bodies=list(self.bodies), materials=used, planes=tuple(self.planes), measures=dict(self.measures),
+            guards=self.guards,
         )  # fmt: skip
         _check_distances(data)
         for axis, position in data.planes:
             _check_plane(data, axis, position)
+        _check_domain(data)
         return data
 
     def _particles(
@@ -474,6 +484,22 @@ def _check_plane(data: SceneData, axis: int, position: float) -> None:
         raise InputError(
             f"body {data.bodies[data.body[nearest]]!r} has a particle at {_place(data, nearest)}, beyond or on the symmetry plane "
             f"{'xyz'[axis]} = {position:g} m; allowed: all on one side, a quarter of a spacing or more away"
+        )
+
+
+def _check_domain(data: SceneData) -> None:
+    """Refuse particles that start outside of the domain."""
+    if data.guards.domain is None:
+        return
+    low, high = data.guards.domain
+    if len(low) != data.dim:
+        raise checks.refuse("domain of Guards", data.guards.domain, f"corners of {data.dim} components")
+    x = data.x[:, : data.dim]
+    outside = np.flatnonzero(np.any((x < low) | (x > high), axis=1))
+    if len(outside):
+        raise InputError(
+            f"body {data.bodies[data.body[outside[0]]]!r} has a particle at {_place(data, outside[0])}, outside of the "
+            f"domain {low} to {high} m, and {len(outside)} particles start there; allowed: none"
         )
 
 
