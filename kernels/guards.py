@@ -13,8 +13,8 @@ GUARDS = ("state", "density", "domain", "interpenetration", "neighbours", "inver
 domain [m], share of the kernel in other bodies [1], neighbours, times that F was not physical. The last only names the
 particle with the most energy [J]: the sums tell whether energy is conserved."""
 
-SUMS = ("energy", "work")
-"""Columns in front of them, added up over blocks: m (v²/2 + e), work of constraints [J]."""
+SUMS = ("kinetic", "internal", "work")
+"""Columns in front of them, added up over blocks: m v²/2, m e, work of constraints [J]."""
 
 FINDINGS = ("particles", "worst", "index")
 """Columns of each kind: particles beyond the limit, the largest value, the first particle in memory that has it."""
@@ -101,9 +101,9 @@ def make_guards(s: Spec) -> wp.Kernel:
         # out:
         found: wp.array2d[d],
     ):
-        """Of each block Σ m (v²/2 + e) and Σ work [J], and of each of `GUARDS` its `FINDINGS`."""
+        """Of each block Σ m v²/2, Σ m e and Σ work [J], and of each of `GUARDS` its `FINDINGS`."""
         b = wp.tid() + offset
-        total, worked = d(0.0), d(0.0)
+        kinetic, internal, worked = d(0.0), d(0.0), d(0.0)
         broken, thin, gone, deep = nothing(), nothing(), nothing(), nothing()
         crowd, over, hot = nothing(), nothing(), nothing()
         for k in range(chunk):
@@ -126,11 +126,13 @@ def make_guards(s: Spec) -> wp.Kernel:
                 gone = noted(gone, outside(x[i], low, high), zero, i)
                 crowd = noted(crowd, d(n_neigh[i]), most_neighbours, i)
                 vi = speeds(d(v[i][0]), d(v[i][1]), d(v[i][2]))
-                own = d(m[i]) * (half * wp.dot(vi, vi) + d(e[i]))
-                hot = noted(hot, own, -lowest, i)
-                total += own
-        found[b, 0] = total
-        found[b, 1] = worked
+                moving, held = half * d(m[i]) * wp.dot(vi, vi), d(m[i]) * d(e[i])
+                hot = noted(hot, moving + held, -lowest, i)
+                kinetic += moving
+                internal += held
+        found[b, 0] = kinetic
+        found[b, 1] = internal
+        found[b, 2] = worked
         for c in range(wp.static(n_findings)):
             found[b, wp.static(n_sums + n_findings * state) + c] = broken[c]
             found[b, wp.static(n_sums + n_findings * density) + c] = thin[c]

@@ -29,8 +29,8 @@ class Guards:
     what becomes of a particle that turns over (J <= 0) `warpsph.config.Numerics.inverted` says.
 
     Attributes:
-        energy_error: Change of the energy, less the work of constraints, over the larger of the first and the present
-            energy [1]; None: `EXACT`, or `LOSSY` with numerics that do not conserve energy.
+        energy_error: Change of the energy, less the work of constraints, over the largest of the energy at the start,
+            the energy, and the kinetic energy [1]; None: `EXACT`, or `LOSSY` where numerics do not conserve energy.
         interpenetration: How deep bodies in contact may be in each other, in spacings.
         neighbours: How many entries a neighbour row may have, over those in a whole lattice.
         domain: Lowest and highest corner [m] of the box that no particle should leave, of as many components as the

@@ -33,16 +33,28 @@ class Glance:
     """What one look saw.
 
     Attributes:
-        energy: Kinetic and internal energy, less the work of constraints so far [J].
-        scale: Kinetic and internal energy [J].
+        kinetic: Kinetic energy [J].
+        internal: Internal energy [J].
+        work: Work of constraints so far [J].
         particles: Particles beyond the limit, by guard.
         blocks: `warpsph.kernels.guards.FINDINGS` of each block and guard, shape [blocks, guards, findings].
     """
 
-    energy: float
-    scale: float
+    kinetic: float
+    internal: float
+    work: float
     particles: dict[str, int]
     blocks: np.ndarray
+
+    @property
+    def energy(self) -> float:
+        """What stays the same: the energy less the work of constraints [J]."""
+        return self.kinetic + self.internal - self.work
+
+    def energy_error(self, start: float) -> float:
+        """Change of the energy from the start [J], over the largest energy that there is."""
+        scale = max(abs(start), self.kinetic, abs(self.kinetic + self.internal))
+        return abs(self.energy - start) / (scale or 1.0)
 
     def worst(self, guard: str) -> tuple[float, int]:
         """The largest value of a guard, and where in memory the first particle with it is."""
@@ -137,12 +149,12 @@ class Watch:
             _, first = seen.worst("state")
             culprit = name_culprit(self._particles, self._data, first, now)
             raise stops.not_finite(culprit, broken_fields(self._particles, first))
-        change = abs(seen.energy - self._start) / (max(abs(self._start), abs(seen.scale)) or 1.0)
+        error = seen.energy_error(self._start)
         errors = []
         for guard, limit in self._limits.items():
-            if seen.particles[guard] or (guard == "energy_error" and change > limit):
+            if seen.particles[guard] or (guard == "energy_error" and error > limit):
                 worst, index = seen.worst(guard)
-                value = change if guard == "energy_error" else self._value(guard, worst)
+                value = error if guard == "energy_error" else self._value(guard, worst)
                 errors += self._note(guard, seen.particles[guard], value, index, now)
         if errors:
             raise errors[0]
@@ -152,10 +164,10 @@ class Watch:
             self._command = self._bind_look()
         self._command()
         seen = self._seen.numpy()
-        energy, work = (math.fsum(seen[:, k].tolist()) for k in range(len(SUMS)))
+        sums = (math.fsum(seen[:, k].tolist()) for k in range(len(SUMS)))
         blocks = seen[:, len(SUMS) :].reshape(-1, len(GUARDS), len(FINDINGS))
         counts = blocks[:, :, 0].sum(axis=0).astype(int).tolist()
-        return Glance(energy - work, energy, dict(zip(GUARDS, counts, strict=True)), blocks)
+        return Glance(*sums, dict(zip(GUARDS, counts, strict=True)), blocks)
 
     def _bind_look(self) -> Command:
         data, guards = self._data, self._guards
@@ -179,8 +191,8 @@ class Watch:
     def _note(self, guard: str, particles: int, value: float, index: int, now: Reading) -> list[Exception]:
         """Count what a guard has found; gives what ends the run, if anything does."""
         action = "stop" if guard in self._guards.stop else "warn"
-        if guard == "inverted":
-            action = self._data.numerics.inverted
+        if guard == "inverted":  # where it is to end the run, the device has done so
+            action = "convert"
         limit, entry = self._limits[guard], self.found.get(guard)
         worse = entry is None or abs(value) > abs(entry["worst"]["value"])
         if worse or action == "stop":
