@@ -111,7 +111,6 @@ class Solver:
         self._planning: list[Command] = []
         self._bound = -1
         self._initialise()
-        self.watch.begin()
         self.reading = self._clock.read()
 
     def _find_reference(self) -> Reference | None:
@@ -205,6 +204,7 @@ class Solver:
                 particle.
         """
         self._clock.stop_at(t_stop)
+        self.watch.begin()
         now = self._plan()
         batch = 1
         while now.status in (RUNNING, STALE):

@@ -98,6 +98,7 @@ class Watch:
         self.every = EVERY
         self.say: Callable[[str], None] = lambda text: warnings.warn(text, stacklevel=2)
         self.found: dict[str, dict[str, Any]] = {}
+        self._start: float | None = None
         self.kernel = make_guards(particles.spec)
         ball = {1: 2.0, 2: math.pi, 3: 4.0 / 3.0 * math.pi}[data.dim]
         self._row = ball * (reach / data.spacing) ** data.dim
@@ -128,8 +129,9 @@ class Watch:
         self._set(self._guards.changed(energy_limit, on_trouble))
 
     def begin(self) -> None:
-        """Take the energy of the start."""
-        self._start = self._glance().energy
+        """Take the energy of the start, before the first step."""
+        if self._start is None:
+            self._start = self.glance().energy
 
     def allowed(self, steps: int) -> int:
         """Steps that may be taken, after so many, before it is time to look."""
@@ -144,7 +146,7 @@ class Watch:
         due = now.steps % self.every == 0 or now.status == DONE
         if not due or now.steps == before.steps or now.status not in (RUNNING, STALE, DONE):
             return
-        seen = self._glance()
+        seen = self.glance()
         if seen.particles["state"]:
             _, first = seen.worst("state")
             culprit = name_culprit(self._particles, self._data, first, now)
@@ -159,7 +161,8 @@ class Watch:
         if errors:
             raise errors[0]
 
-    def _glance(self) -> Glance:
+    def glance(self) -> Glance:
+        """Look at all particles."""
         if self._command is None:
             self._command = self._bind_look()
         self._command()
