@@ -53,9 +53,8 @@ class Guards:
         """
         for name in ("energy_error", "interpenetration", "neighbours"):
             value = getattr(self, name)
-            if (name == "energy_error" and value is None) or (isinstance(value, float) and value == math.inf):
-                continue
-            object.__setattr__(self, name, checks.positive(f"{name} of Guards", value))
+            if name != "energy_error" or value is not None:
+                object.__setattr__(self, name, _limit(f"{name} of Guards", value))
         if self.domain is not None:
             object.__setattr__(self, "domain", _corners(self.domain))
         if isinstance(self.stop, str) or not isinstance(self.stop, Sequence):
@@ -73,7 +72,7 @@ class Guards:
         """
         if on_trouble not in (None, "stop", "warn"):
             raise values.unknown("on_trouble", on_trouble, ("stop", "warn"))
-        limit = self.energy_error if energy_limit is None else energy_limit
+        limit = self.energy_error if energy_limit is None else _limit("energy_limit", energy_limit)
         stop = {None: self.stop, "stop": WATCHED, "warn": ()}[on_trouble]
         return replace(self, energy_error=limit, stop=stop)
 
@@ -90,6 +89,15 @@ def conserves(numerics: Numerics) -> bool:
 
     exact = getattr(SCHEMES[numerics.scheme], "exact_energy", True)
     return exact and numerics.coupling == "conservative" and numerics.interface_stress != "eulerian"
+
+
+def _limit(name: str, value: object) -> float:
+    """A positive number, which may be infinite.
+
+    Raises:
+        InputError: It is something else.
+    """
+    return math.inf if isinstance(value, float) and value == math.inf else checks.positive(name, value)
 
 
 def _corners(value: object) -> Corners:
