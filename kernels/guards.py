@@ -19,6 +19,9 @@ SUMS = ("kinetic", "internal", "work")
 FINDINGS = ("particles", "worst", "index")
 """Columns of each kind: particles beyond the limit, the largest value, the first particle in memory that has it."""
 
+COLUMNS = len(SUMS) + len(FINDINGS) * len(GUARDS)
+"""Numbers of a block."""
+
 CONTACT, LAGRANGIAN, CONSTRAINED = 1, 2, 4
 """Bits of what a run has; it has no arrays of the rest."""
 

@@ -11,7 +11,7 @@ import pytest
 
 import warpsph
 from warpsph import cli, info
-from warpsph.errors import InputError, RunError
+from warpsph.errors import DiskError, InputError, RunError
 from warpsph.state import State
 from warpsph.storage import folder, snapshot
 
@@ -203,7 +203,8 @@ def test_a_folder_without_permission_is_refused(monkeypatch, tmp_path):
         (InputError("density = -1.0 is not allowed"), 2, "density"),
         (KeyboardInterrupt(), 130, "interrupted"),
         (PermissionError(13, "Permission denied", "here"), 2, "here: Permission denied"),
-        (OSError(28, "No space left on device"), 3, "No space left"),
+        (OSError(28, "No space left on device"), 4, "No space left"),
+        (DiskError("out/a.vtkhdf could not be written"), 4, "could not be written"),
     ],
 )
 def test_failures_have_their_exit_codes(scene, runner, command, failure, code, words):

@@ -13,7 +13,7 @@ from tools import SPACING, collision, packed
 from warpsph import Guards, InputError, Numerics, RunError, cli
 from warpsph.blocks import Blocks
 from warpsph.guards import EXACT, LOSSY, WATCHED
-from warpsph.kernels.guards import FINDINGS, GUARDS, LAGRANGIAN, SUMS, make_guards
+from warpsph.kernels.guards import COLUMNS, FINDINGS, GUARDS, LAGRANGIAN, SUMS, make_guards
 from warpsph.launch import Launcher
 from warpsph.penetration import cover_at, interpenetration
 from warpsph.quality.torture import guards as trial
@@ -118,7 +118,7 @@ def test_a_look_counts_and_names_the_worst(precision, eps):
         name: wp.array(a, dtype=wp.int32 if a.dtype.kind == "i" else kinds[a.shape[1:]], device="cpu")
         for name, a in values.items()
     }
-    found = wp.zeros((blocks.count, len(SUMS) + len(GUARDS) * len(FINDINGS)), dtype=wp.float64, device="cpu")
+    found = wp.zeros((blocks.count, COLUMNS), dtype=wp.float64, device="cpu")
     point = precision.point
     Launcher("cpu", 1).launch(
         make_guards(precision), blocks.count, blocks, SimpleNamespace(**arrays), found=found, has=LAGRANGIAN,

@@ -10,14 +10,15 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import App, CycloptsError, Group, Parameter, UnusedCliTokensError
 
-from . import __version__, library
-from .errors import InputError, RunError
+from . import __version__, exhaustion, library, streams
+from .errors import DiskError, InputError, RunError
 from .library import SceneFile
+from .messages import files
 from .progress import Progress, quiet_warp
 from .storage import folder as output_folder
 
-INPUT, STOPPED, INTERRUPTED = 2, 3, 130
-"""Exit codes besides 0: bad input, a run that had to stop, Ctrl-C."""
+INPUT, STOPPED, DISK, INTERRUPTED = 2, 3, 4, 130
+"""Exit codes besides 0: bad input, a run that had to stop, output that could not be written, Ctrl-C."""
 
 FILE_ERRORS = (FileNotFoundError, FileExistsError, PermissionError, NotADirectoryError, IsADirectoryError)
 """Failures of the file system that a user can put right on the command line."""
@@ -35,7 +36,7 @@ Flag = Annotated[bool, Parameter(negative="")]
 
 
 def main(tokens: Sequence[str] | None = None) -> None:
-    """Run a command and exit: 0 done, 2 bad input, 3 run stopped, 130 interrupted.
+    """Run a command and exit: 0 done, 2 bad input, 3 run stopped, 4 output not written, 130 interrupted.
 
     Args:
         tokens: Words after ``warpsph``; those of the process by default.
@@ -60,16 +61,34 @@ def run_file(path: str) -> None:
 
 
 def _exit_code(make: Callable[[], App], tokens: list[str]) -> int:
-    """Run an application; every expected failure becomes one line on stderr and its exit code."""
+    """Run an application and empty the streams; every expected failure becomes one line on stderr and its exit code."""
+    streams.fill()
+    code = _attempt(make, tokens)
+    lost = streams.empty()
+    if lost is not None and not code:
+        code = _complain(files.unwritten("standard output", lost), DISK)
+        streams.empty()
+    return code
+
+
+def _attempt(make: Callable[[], App], tokens: list[str]) -> int:
+    """Run an application; gives its exit code."""
     try:
-        make()(tokens, exit_on_error=False, print_error=False, verbose=False)
+        with exhaustion.told():
+            make()(tokens, exit_on_error=False, print_error=False, verbose=False)
     except UnusedCliTokensError as error:
         return _complain(f"unexpected argument {(error.unused_tokens or ['?'])[0]!r}", INPUT)
     except (CycloptsError, InputError) as error:
         return _complain(error, INPUT)
     except FILE_ERRORS as error:
         return _complain(f"{error.filename}: {error.strerror}", INPUT)
-    except (RunError, OSError) as error:
+    except BrokenPipeError:  # whoever read the output has left
+        return 0
+    except OSError as error:
+        return _complain(files.unwritten(error.filename or "standard output", error), DISK)
+    except DiskError as error:
+        return _complain(error, DISK)
+    except RunError as error:
         return _complain(error, STOPPED)
     except KeyboardInterrupt:
         return _complain("interrupted", INTERRUPTED)
@@ -78,7 +97,7 @@ def _exit_code(make: Callable[[], App], tokens: list[str]) -> int:
 
 def _complain(problem: object, code: int) -> int:
     """Print one line, whatever the message holds."""
-    print("warpsph:", " ".join(str(problem).split()), file=sys.stderr)
+    print("warpsph:", " ".join(str(problem).split()), file=streams.Dropping(sys.stderr))
     return code
 
 

@@ -12,11 +12,12 @@ from typing import Any
 
 import warp as wp
 
-from . import __version__
+from . import __version__, exhaustion
 from .balance import Balance, energy
 from .clock import Reading
-from .errors import RunError
+from .errors import DiskError, RunError
 from .kernels.parts import PARTS
+from .messages import files, stops
 from .progress import Progress
 from .scene import SceneData
 from .solver import Solver
@@ -88,20 +89,20 @@ class Job:
         self.step_wall, self.wall = info["step_wall"], info["wall"]
         later = snapshot.find(self.out)[self.next_snapshot :]  # the last snapshot of an interrupted run
         for path in later:
-            path.unlink()
+            atomic.remove(path)
 
     def finish(self, frames: bool) -> dict[str, Any]:
         """Run to the end, whatever ends it, and write the summary."""
         self.progress.start(self.until, self.solver.reading.time)
         before = signal.signal(signal.SIGINT, self._on_interrupt) if _in_main_thread() else None
         try:
-            with self._writer:
+            with exhaustion.told(), self._writer:
                 self._steps()
+            if not self._stop_asked:
+                self.history.close()
+                summary = self._summary()
         except RunError as error:
-            with contextlib.suppress(RunError):  # a full disk takes no last words
-                self._last_words(str(error))
-            written = snapshot.find(self.out)
-            raise RunError(f"{error}; last snapshot: {written[-1] if written else 'none'}") from error
+            raise self._stopped(error) from error
         finally:
             self.progress.stop()
             if before is not None:
@@ -111,10 +112,28 @@ class Job:
                 f"interrupted at t = {self.solver.reading.time:g} s; `warpsph resume {self.out}` goes on"
             )
             raise KeyboardInterrupt
-        summary = self._summary()
         if frames:
             self._frames(summary)
         return summary
+
+    def _stopped(self, error: RunError) -> RunError:
+        """Leave last words, as far as the disk takes them; gives the error with what is there of the run."""
+        lost = None
+        try:
+            with exhaustion.told():
+                self._last_words(str(error), whole=not isinstance(error, DiskError))
+        except Exception as another:  # whatever it is must not hide why the run stopped
+            lost = another
+        with contextlib.suppress(DiskError):
+            self.history.close()
+        try:
+            last = (snapshot.find(self.out) or [None])[-1]
+            goes_on = any(self.out.glob("checkpoint*.h5"))
+        except OSError:
+            last, goes_on = None, False
+        if isinstance(error, DiskError):
+            return files.stopped(error, last, self.out, goes_on)
+        return stops.stopped(error, lost, last)
 
     def _on_interrupt(self, _signal, _frame) -> None:
         """Stop at the end of the batch; a second Ctrl-C stops at once."""
@@ -189,7 +208,9 @@ class Job:
 
         def write() -> None:
             snapshot.write(path, state)
+            self._times[path.name] = state.time  # a failing disk need not read it back
             snapshot.series(path.parent, self._times)
+            self.history.sync()
             if going_on:
                 checkpoint.save(self.out / "checkpoint.h5", arrays, info)
             self._rooms.append(room)
@@ -205,11 +226,15 @@ class Job:
             "peaks": dict(self.peaks), "step_wall": self.step_wall, "wall": self._elapsed(), "device": self.solver.launcher.device.alias,
         }  # fmt: skip
 
-    def _last_words(self, why: str) -> None:
-        """Leave what is needed to look at a run that stopped early, and to go on after an interruption."""
+    def _last_words(self, why: str, whole: bool = True) -> None:
+        """Leave what is needed to look at a run that stopped early, and to go on after an interruption.
+
+        Only a ``whole`` one leaves more than the summary: a disk that takes no more has the run's checkpoint already.
+        """
         self.warnings.append(why)
-        self._writer.check()
-        self._take(self.next_snapshot, going_on=self._stop_asked)()
+        if whole:
+            self._writer.check()
+            self._take(self.next_snapshot, going_on=self._stop_asked)()
         self._summary()
 
     def _elapsed(self) -> float:
@@ -225,7 +250,10 @@ class Job:
         now, data, ledger = self.solver.reading, self.data, self.solver.ledger()
         self.balance.update(ledger)
         n, steps = len(data.x), max(now.steps, 1)
-        neighbours = sum([*self.neighbours, self.solver.mean_neighbours()]) / (len(self.neighbours) + 1)
+        counts = list(self.neighbours)
+        with contextlib.suppress(RunError):  # rows that outgrew memory are not counted
+            counts.append(self.solver.mean_neighbours())
+        neighbours = sum(counts) / len(counts)
         per_step = 1e9 * self.step_wall / (n * steps)
         clipped = int(ledger["eos_clipped"])
         warnings = [*self.warnings, *self.solver.watch.warnings()]
@@ -249,8 +277,12 @@ class Job:
         """Draw the frames; a machine that cannot draw has still run the scene."""
         from .render import render
 
+        self._rooms.clear()  # there are no more outputs, and drawing takes as much
         try:
-            render(self.out)
+            with exhaustion.told():
+                render(self.out)
+        except DiskError as error:
+            raise files.no_frames(error, self.out) from error
         except RunError as error:
             self.warnings.append(f"no frames: {error}")
             summary["warnings"].append(self.warnings[-1])

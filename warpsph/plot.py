@@ -9,6 +9,7 @@ import numpy as np
 
 from . import units
 from .errors import InputError
+from .messages import values
 from .storage import atomic, history
 
 if TYPE_CHECKING:
@@ -39,15 +40,13 @@ def plot(folder: Path, output: Path | None = None) -> Path:
 
     Raises:
         InputError: If there is no history, or the file has another format.
-        RunError: If the file cannot be written.
+        DiskError: If the file cannot be written.
     """
     from matplotlib.figure import Figure
 
     path = Path(folder) / "plot.png" if output is None else Path(output)
     if path.suffix.lower() not in FORMATS:
-        raise InputError(
-            f"output {str(path)!r} has another format; allowed: a name that ends in {', '.join(FORMATS)}"
-        )
+        raise values.refuse("output", str(path), f"a name that ends in {', '.join(FORMATS)}")
     names, column_units, columns = history.read(Path(folder) / "history.csv")
     if not len(columns["time"]):
         raise InputError(f"{Path(folder) / 'history.csv'} has no rows yet; nothing can be plotted")

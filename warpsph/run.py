@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from . import footprint
 from .errors import InputError
 from .guards import Action
 from .job import Job
@@ -10,6 +11,7 @@ from .progress import Progress
 from .scene import Scene
 from .solver import Solver
 from .storage import atomic, checkpoint, folder
+from .storage.writer import PENDING
 
 
 def run(
@@ -48,16 +50,22 @@ def run(
     Raises:
         InputError: Bad input; nothing has been written.
         RunError: The run had to stop; a last snapshot has been written.
+        DiskError: Output could not be written; what was written before is whole.
         KeyboardInterrupt: After a clean ending on Ctrl-C.
     """
+    progress = progress or Progress()
     data = scene.finalize()
-    solver = Solver(data, device=device, precision=precision, threads=threads)
+    solver = Solver(
+        data, device=device, precision=precision, threads=threads, copies=PENDING, say=progress.message
+    )
     solver.watch.change(energy_limit, on_trouble)
     out = Path(out)
+    if warning := footprint.check(out, solver.particles, data.snapshots + 1):
+        progress.message(warning)
     folder.prepare(out, force)
     if source is not None:
         atomic.write(out / "scene.py", source.encode())
-    job = Job(solver, out, data.until if until is None else until, parameters or {}, progress or Progress())
+    job = Job(solver, out, data.until if until is None else until, parameters or {}, progress)
     job.begin()
     return job.finish(frames)
 
@@ -86,8 +94,9 @@ def resume(
         progress: Where progress goes.
 
     Raises:
-        InputError: The folder holds no run that can go on, or it has already ended.
+        InputError: The folder holds no run that can go on, or is past ``until``.
         RunError: The run had to stop; a last snapshot has been written.
+        DiskError: Output could not be written; what was written before is whole.
         KeyboardInterrupt: After a clean ending on Ctrl-C.
     """
     from .library import load
@@ -98,15 +107,17 @@ def resume(
             raise InputError(f"{out} cannot be resumed: {name} is missing; allowed: the folder of a run")
     arrays, info = checkpoint.load(out / "checkpoint.h5")
     end = info["until"] if until is None else until
-    if info["time"] >= end:
+    if info["time"] > end:
         raise InputError(
-            f"until = {end:g} s is not after the checkpoint's time; allowed: more than {info['time']:g}"
+            f"until = {end:g} s is before the checkpoint's time; allowed: {info['time']:g} or more"
         )
     data = load(out / "scene.py").build(**info["parameters"]).finalize()
+    progress = progress or Progress()
     solver = Solver(
-        data, device=device or info["device"], precision=info["solver"]["precision"], threads=threads
-    )
-    job = Job(solver, out, end, info["parameters"], progress or Progress())
+        data, device=device or info["device"], precision=info["solver"]["precision"], threads=threads,
+        copies=PENDING, say=progress.message,
+    )  # fmt: skip
+    job = Job(solver, out, end, info["parameters"], progress)
     job.go_on(arrays, info)
     solver.watch.change(energy_limit, on_trouble)
     return job.finish(frames)

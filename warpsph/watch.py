@@ -12,7 +12,7 @@ import warp as wp
 
 from .clock import Reading
 from .guards import Action, Guards
-from .kernels.guards import CONSTRAINED, CONTACT, FINDINGS, GUARDS, LAGRANGIAN, SUMS, make_guards
+from .kernels.guards import COLUMNS, CONSTRAINED, CONTACT, FINDINGS, GUARDS, LAGRANGIAN, SUMS, make_guards
 from .kernels.timestep import DONE, RUNNING, STALE
 from .launch import Command
 from .messages import stops
@@ -105,7 +105,7 @@ class Watch:
         flags = {"contact": CONTACT, "lagrangian": LAGRANGIAN, "constraint": CONSTRAINED}
         self._has = sum(flag for group, flag in flags.items() if group in groups)
         with wp.ScopedDevice(particles.x.device):
-            self._seen = wp.zeros((blocks, len(SUMS) + len(FINDINGS) * len(GUARDS)), dtype=wp.float64)
+            self._seen = wp.zeros((blocks, COLUMNS), dtype=wp.float64)
         self._set(data.guards)
 
     def _set(self, guards: Guards) -> None:

@@ -4,6 +4,7 @@ A particle comes as a `warpsph.trouble.Culprit`, which says when and where it wa
 """
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from warpsph.errors import RunError
@@ -69,3 +70,9 @@ def trouble(guard: str, value: float, limit: float, particles: int) -> str:
 
 def _stopped(culprit: "Culprit", what: str, advice: str) -> RunError:
     return RunError(f"stopped at t = {culprit.time:.6g} s, step {culprit.step}: {culprit}: {what}; {advice}")
+
+
+def stopped(cause: RunError, lost: Exception | None, last: Path | None) -> RunError:
+    """A run stopped: why, what of it could not be written besides, and the last snapshot to look at."""
+    besides = f"; besides, {lost}" if lost is not None else ""
+    return RunError(f"{cause}{besides}; last snapshot: {last or 'none'}")

@@ -23,7 +23,7 @@ def save(path: Path, arrays: dict[str, np.ndarray], info: dict) -> None:
         info: Anything JSON can hold; floats come back exactly.
 
     Raises:
-        RunError: If it cannot be written; an older file of that name stays whole.
+        DiskError: If it cannot be written; an older file of that name stays whole.
     """
     with hdf5.writing(path, FORM, VERSION) as file:
         file["info"] = json.dumps(info)

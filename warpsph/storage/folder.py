@@ -5,9 +5,14 @@ import shutil
 from pathlib import Path
 
 from warpsph.errors import InputError
+from warpsph.messages import files
 
 OURS = ("summary.json", "history.csv", "checkpoint.h5", "scene.py", "plot.png", "snapshots", "frames")
 """What a run writes, and so what ``force`` clears."""
+
+
+FOREIGN = (PermissionError, FileExistsError, FileNotFoundError, NotADirectoryError, IsADirectoryError)
+"""Failures at the start that another folder on the command line would put right."""
 
 
 def check(out: Path, force: bool) -> None:
@@ -27,11 +32,26 @@ def check(out: Path, force: bool) -> None:
         )
 
 
+def free(out: Path) -> int | None:
+    """Bytes that are free for a run in a folder, which need not be there yet, once an earlier run's files are cleared.
+
+    None if the file system does not say.
+    """
+    try:
+        disk = shutil.disk_usage(next(place for place in (out, *out.absolute().parents) if place.exists()))
+        ours = (out / name for name in OURS)
+        earlier = [path for top in ours for path in ([top] if top.is_file() else top.rglob("*"))]
+        return disk.free + sum(path.stat().st_size for path in earlier) if disk.total else None
+    except OSError:
+        return None
+
+
 def prepare(out: Path, force: bool) -> None:
     """Make the folder, and clear an earlier run's files from it.
 
     Raises:
         InputError: It cannot be used, see `check`.
+        DiskError: The disk does not take it.
     """
     check(out, force)
     try:
@@ -42,5 +62,7 @@ def prepare(out: Path, force: bool) -> None:
             else:
                 (out / name).unlink(missing_ok=True)
         (out / "snapshots").mkdir()
-    except OSError as error:
+    except FOREIGN as error:
         raise InputError(f"output folder {out} cannot be written: {error.strerror}") from error
+    except OSError as error:
+        raise files.unwritten(out, error) from error

@@ -24,19 +24,21 @@ def writing(path: Path, form: str, version: int) -> Iterator["h5py.File"]:
         version: Version of that format.
 
     Raises:
-        RunError: If it cannot be written.
+        DiskError: If it cannot be written.
     """
     import h5py
 
     with atomic.replacing(path) as stream:
         disk = _Disk(stream)
-        with h5py.File(disk, "w") as file:
-            file.attrs.update(
-                {"format": form, "format_version": version, "generator": f"warpsph {__version__}"}
-            )
-            yield file
-        if disk.error is not None:
-            raise disk.error
+        try:
+            with h5py.File(disk, "w") as file:
+                file.attrs.update(
+                    {"format": form, "format_version": version, "generator": f"warpsph {__version__}"}
+                )
+                yield file
+        finally:
+            if disk.error is not None:  # also where HDF5 stumbled over it
+                raise disk.error
 
 
 @contextlib.contextmanager

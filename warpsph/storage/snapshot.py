@@ -31,7 +31,7 @@ def write(path: Path, state: State) -> None:
     """Write one snapshot: every output field that the state holds.
 
     Raises:
-        RunError: If it cannot be written; an older file of that name stays whole.
+        DiskError: If it cannot be written; an older file of that name stays whole.
     """
     with hdf5.writing(path, FORM, VERSION) as file:
         root = file.create_group("VTKHDF", track_order=True)
@@ -112,7 +112,7 @@ def series(folder: Path, times: dict[str, float] | None = None) -> Path | None:
 
     Raises:
         InputError: If a snapshot is damaged.
-        RunError: If the index cannot be written.
+        DiskError: If the index cannot be written.
     """
     paths = find(folder)
     if not paths:
