@@ -265,7 +265,7 @@ def test_a_run_that_cannot_fit_is_refused_with_what_would(monkeypatch):
         Solver(made)
     message = str(refused.value)
     assert re.match(
-        r"729 particles need about [\d.]+ kB on cpu, where [\d.]+ kB are free; allowed: ", message
+        r"729 particles need about [\d.]+ [kM]B on cpu, where [\d.]+ kB are free; allowed: ", message
     )
     assert "up to about 656 particles, with a spacing of 0.0011 m, or --precision float32" in message
     monkeypatch.setattr(available, "on_host", lambda: need // 10)

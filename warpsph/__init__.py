@@ -15,6 +15,7 @@ if importlib.util.find_spec("warpsph.kernels") is None:
 _EXPORTS = {
     "scene": ("Scene", "SceneData", "spin"),
     "config": ("Numerics",),
+    "guards": ("Guards",),
     "state": ("State",),
     "shapes": ("Box", "Cone", "Cylinder", "Disc", "HalfSpace", "Mesh", "Ring", "Shape", "Sphere"),
     "lattices": ("Cartesian", "CoreAndRings", "FaceCentredCubic", "Hexagonal", "Lattice", "Rings"),

@@ -160,6 +160,8 @@ def run(
     device: str = "cpu",
     precision: Literal["float64", "float32", "mixed"] = "float64",
     until: float | None = None,
+    energy_limit: float | None = None,
+    on_trouble: Literal["stop", "warn"] | None = None,
     threads: int | None = None,
     force: Flag = False,
     frames: bool = True,
@@ -173,6 +175,8 @@ def run(
         device: Where to compute: cpu, or cuda:0, cuda:1, ...
         precision: Arithmetic of the particles; mixed: positions in float64, the rest in float32.
         until: Time to stop at [s], in place of the scene's.
+        energy_limit: Largest energy error before the run stops or warns.
+        on_trouble: What all guards do, in place of what the scene says: end the run, or warn and go on.
         threads: CPU threads; all cores if not given.
         force: Replace what an earlier run left in the folder.
         frames: Render a picture for each snapshot.
@@ -188,7 +192,7 @@ def run(
         values = {name: p.default for name, p in file.parameters.items()} | parameters
         summary = run_scene(
             scene, out, device=device, precision=precision, threads=threads, until=until, force=force,
-            parameters=values, source=file.source, frames=frames, progress=progress,
+            energy_limit=energy_limit, on_trouble=on_trouble, parameters=values, source=file.source, frames=frames, progress=progress,
         )  # fmt: skip
     _print_summary(summary, out)
 
@@ -198,6 +202,8 @@ def resume(
     /,
     *,
     until: float | None = None,
+    energy_limit: float | None = None,
+    on_trouble: Literal["stop", "warn"] | None = None,
     device: str | None = None,
     precision: Literal["float64", "float32", "mixed"] | None = None,
     threads: int | None = None,
@@ -208,6 +214,8 @@ def resume(
     Args:
         folder: Folder of the run.
         until: New time to stop at [s]; that of the run if not given.
+        energy_limit: Largest energy error before the run stops or warns; as before if not given.
+        on_trouble: What all guards do from here on: end the run, or warn and go on; as before if not given.
         device: Where to compute; as before if not given.
         precision: Arithmetic of the particles; as before if not given.
         threads: CPU threads; all cores if not given.
@@ -220,8 +228,8 @@ def resume(
         from .run import resume as resume_run
 
         summary = resume_run(
-            folder, until=until, threads=threads, device=device, precision=precision, frames=frames,
-            progress=progress,
+            folder, until=until, energy_limit=energy_limit, on_trouble=on_trouble, threads=threads, device=device,
+            precision=precision, frames=frames, progress=progress,
         )  # fmt: skip
     _print_summary(summary, folder)
 

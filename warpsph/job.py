@@ -62,6 +62,7 @@ class Job:
         self.solver, self.out, self.until, self.progress = solver, out, until, progress
         self.parameters = json.loads(json.dumps(parameters, default=str))
         self.data: SceneData = solver.data
+        solver.watch.say = lambda text: progress.message(f"warning: {text}")
         self.step_wall, self.wall = 0.0, 0.0
         self.next_snapshot, self.next_row = 0, 0.0
         self.interval, self.row_interval = until / self.data.snapshots, until / HISTORY_ROWS
@@ -279,7 +280,7 @@ class Job:
         neighbours = sum(counts) / len(counts)
         per_step = 1e9 * self.step_wall / (n * steps)
         clipped = int(ledger["eos_clipped"])
-        warnings = list(self.warnings)
+        warnings = [*self.warnings, *self.solver.watch.warnings()]
         if clipped:
             warnings.append(f"the equation of state left its range in {clipped} particle-steps")
         return {
@@ -293,7 +294,7 @@ class Job:
             "neighbour_builds": self.solver.neighbours.builds,
             "energy_error": self.balance.energy_error, "momentum_error": self.balance.momentum_error,
             "angular_momentum_error": self.balance.angular_momentum_error,
-            **self.solver.tally(), "measures": self._measures(), "warnings": warnings, "version": __version__,
+            **self.solver.tally(), "guards": self.solver.watch.report(), "measures": self._measures(), "warnings": warnings, "version": __version__,
         }  # fmt: skip
 
     def _frames(self, summary: dict[str, Any]) -> None:

@@ -5,6 +5,7 @@ from typing import Any
 
 from . import footprint
 from .errors import InputError
+from .guards import Action
 from .job import Job
 from .messages import files
 from .progress import Progress
@@ -22,6 +23,8 @@ def run(
     precision: str = "float64",
     threads: int | None = None,
     until: float | None = None,
+    energy_limit: float | None = None,
+    on_trouble: Action | None = None,
     force: bool = False,
     parameters: dict[str, Any] | None = None,
     source: str | None = None,
@@ -37,6 +40,8 @@ def run(
         precision: ``float64``, ``float32``, or ``mixed``: float32 with positions in float64.
         threads: CPU threads; all cores by default.
         until: End time [s]; the scene's own by default.
+        energy_limit: Limit of the energy error, in place of the scene's guards'.
+        on_trouble: What all guards do, in place of what the scene says.
         force: Clear an earlier run's files from ``out``.
         parameters: Scene parameters, for the summary and for `resume`.
         source: Text of the scene file, for `resume`.
@@ -54,6 +59,7 @@ def run(
     solver = Solver(
         data, device=device, precision=precision, threads=threads, copies=PENDING, say=progress.message
     )
+    solver.watch.change(energy_limit, on_trouble)
     out = Path(out)
     if warning := footprint.check(out, solver, data.snapshots + 1):
         progress.message(warning)
@@ -69,6 +75,8 @@ def resume(
     out: Path,
     *,
     until: float | None = None,
+    energy_limit: float | None = None,
+    on_trouble: Action | None = None,
     threads: int | None = None,
     device: str | None = None,
     precision: str | None = None,
@@ -82,6 +90,8 @@ def resume(
     Args:
         out: Folder of the run.
         until: New end time [s]; the run's own by default.
+        energy_limit: Another limit of the energy error from now on.
+        on_trouble: What all guards do from now on, in place of what they did.
         threads: CPU threads; all cores by default.
         device: Another device than the run's.
         precision: Another precision than the run's.
@@ -117,4 +127,5 @@ def resume(
     )  # fmt: skip
     job = Job(solver, out, end, info["parameters"], progress)
     job.go_on(found)
+    solver.watch.change(energy_limit, on_trouble)
     return job.finish(frames)

@@ -130,6 +130,7 @@ class Scheme(ABC):
         parted, types = n if self.parts else 1, part_types(s, len(self.parts))
         unused = {"X": s.point, "F": s.mat, "vol0": s.real, "ripe": wp.int32, "fate": wp.int32}
         unused |= {"shrink": s.real, "contact_rate": s.real, "thickness": s.real, "av_switch": s.real}
+        unused |= {"cover": s.real, "inverted": wp.int32}
         unused |= {
             "fixed": wp.int32,
             "impulse": s.vec,
