@@ -27,6 +27,7 @@ from .kernels.timestep import (
     VISCOUS_SHARE,
 )
 from .launch import Command, Launcher
+from .magnitudes import check_magnitudes
 from .materials import pack
 from .memory import Policy, policy_of
 from .neighbours import Neighbours
@@ -80,7 +81,7 @@ class Solver:
             policy: What memory may be spent on; None: the device's.
 
         Raises:
-            InputError: No such device or precision.
+            InputError: No such device or precision, or the scene's numbers do not fit into it.
         """
         if precision not in PRECISIONS:
             raise InputError(f"precision {precision!r} is unknown; allowed: {', '.join(PRECISIONS)}")
@@ -88,6 +89,7 @@ class Solver:
         self.launcher = Launcher(device, threads)
         self._policy = policy or policy_of(self.launcher.device)
         self._spec = Spec(data.dim, *PRECISIONS[precision], lanes=self._policy.lanes)
+        check_magnitudes(data, self._spec, precision)
         h = data.h
         self._scheme = make_scheme(data, self._spec)
         self.particles = Particles(data, self._spec, self.launcher, self._scheme.groups, self._scheme.parts)

@@ -24,3 +24,21 @@ def shown(value: object) -> str:
     """A value as it is shown: as Python writes it, cut where it is long."""
     text = repr(value.tolist() if isinstance(value, np.ndarray | np.generic) else value)
     return text if len(text) < LONGEST else text[: LONGEST - 4] + " ..."
+
+
+def beyond_precision(
+    spacing: float, precision: str, what: str, size: float, limits: tuple[float, float]
+) -> InputError:
+    """A number that a step works with overflows or vanishes in the run's precision."""
+    return InputError(
+        f"spacing = {spacing:g} m does not go with precision {precision!r}: {what} is {size:.2g}, beyond "
+        f"{limits[0]:.0e} to {limits[1]:.0e}; allowed: precision 'float64', or other units of length, mass and time"
+    )
+
+
+def too_far(far: float, precision: str, rounding: float, coarsest: float) -> InputError:
+    """Positions are so far from the origin that they are rounded too much."""
+    return InputError(
+        f"position = {far:g} m from the origin does not go with precision {precision!r}: it is rounded to {rounding:.2g} "
+        f"spacings; allowed: up to {coarsest:g} spacings, with precision 'mixed' or 'float64' or nearer to the origin"
+    )
