@@ -9,6 +9,7 @@ import warp as wp
 
 from .blocks import CUDA_STEP_BLOCKS, Blocks
 from .clock import Clock, Reading
+from .closing import courant
 from .compilation import compile_modules, kernels_of
 from .contact import contact_constants
 from .errors import InputError, RunError
@@ -30,6 +31,7 @@ from .launch import Command, Launcher
 from .magnitudes import check_magnitudes
 from .materials import pack
 from .memory import Policy, policy_of
+from .messages import stops
 from .neighbours import Neighbours
 from .particles import Particles
 from .penetration import interpenetration
@@ -109,7 +111,7 @@ class Solver:
             searching=self._scheme.searching,
         )
         self.reference = self._find_reference()
-        self._constants = SimpleNamespace(h=h, spacing=data.spacing, cfl=data.numerics.cfl)
+        self._constants = SimpleNamespace(h=h, spacing=data.spacing, cfl=courant(data))
         self._work = self._allocate_work()
         self.program = Program(self.launcher)
         self._planning: list[Command] = []
@@ -354,6 +356,8 @@ class Solver:
                 if mask[i]
             ]
             cause = f"{', '.join(which)} not finite"
+            if p["clipped"][i]:
+                cause += stops.left_range(int(p["clipped"][i]))
         elif now.status == INSIDE_OUT:
             i = int(np.argmax((p["inverted"] > 0) & (p["kernel_type"] == LAGRANGIAN)))
             cause = f"turned over, det F below {SMALLEST_J:g}: too distorted for a Total Lagrangian particle"
