@@ -6,7 +6,7 @@ import warp as wp
 
 from .damage import make_damage
 from .deformation import INVERTED
-from .eos import make_eos
+from .eos import ETA_MIN, make_eos
 from .kernel_type import ERODED, LAGRANGIAN
 from .material import FIRST_NONLINEAR, make_material
 from .spec import Spec
@@ -15,6 +15,9 @@ from .tensor import make_tensor
 
 PLANE_STRESS_TOLERANCE = 1.0e-9
 """Plane stress: sigma_zz is driven below this share of K + 4G/3."""
+
+THICKNESS_STEP = 1.0
+"""Largest logarithmic strain across a sheet in a step: hot or torn matter may have no thickness without stress."""
 
 
 @functools.cache
@@ -31,6 +34,7 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool, lagrangian: bool
     Material, tensor, eos = make_material(s), make_tensor(s), make_eos(s)
     strength, damage, nonlinear = make_strength(s), make_damage(s), int(FIRST_NONLINEAR)
     one, zero, stiff = real(1.0), real(0.0), real(4.0 / 3.0)
+    widest, thinnest = real(THICKNESS_STEP), real(ETA_MIN)
     tolerance = real(PLANE_STRESS_TOLERANCE if s.real is wp.float64 else 1.0e-5)
 
     @wp.func
@@ -76,14 +80,17 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool, lagrangian: bool
         ):
             """Secant search for L_zz with sigma_zz = 0, started with the elastic slope dt (K + 4G/3).
 
-            ρ is the density at the end of the step if the thickness does not change.
+            ρ is the density at the end of the step if the thickness does not change. Where no thickness will do, it
+            changes as far as it may in a step, and does not grow where ρ leaves the range of its law.
             """
             modulus = rho * c_old * c_old + stiff * m.G
+            lowest = -widest / dt
+            highest = wp.clamp(wp.log(rho / (thinnest * m.rho0)) / dt, zero, -lowest)
             L0 = zero
             rho_new = real(rho)
             tau_new, d_ep, p, c, out, D_new = trial(m, L, dt, rho, e, tau, ep, T, D)
             f0 = tau_new[2, 2] - p
-            L1 = L0 - f0 / (dt * modulus)
+            L1 = wp.clamp(L0 - f0 / (dt * modulus), lowest, highest)
             for _k in range(20):
                 if wp.abs(f0) > tolerance * modulus:
                     L[2, 2] = L1
@@ -94,7 +101,7 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool, lagrangian: bool
                     if wp.abs(f1 - f0) > zero and (f1 - f0) / (L1 - L0) > real(0.1) * slope:
                         slope = (f1 - f0) / (L1 - L0)
                     L0, f0 = L1, f1
-                    L1 = L0 - f0 / slope
+                    L1 = wp.clamp(L0 - f0 / slope, lowest, highest)
             return rho_new, tau_new, d_ep, p, c, out, D_new, L[2, 2]
 
     else:
