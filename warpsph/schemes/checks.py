@@ -2,6 +2,7 @@
 
 from warpsph.errors import InputError
 from warpsph.kernels.material import DamageId, StrengthId
+from warpsph.messages import values
 from warpsph.scene import SceneData
 
 from . import LagrangianSettings
@@ -60,6 +61,18 @@ def _check_solid(data: SceneData) -> None:
                 f"material {material.name!r} does not go with Lagrangian particles in scheme {data.numerics.scheme!r}: "
                 "it has no strength; allowed: a solid, or make_eulerian for all of it"
             )
+
+
+def check_plane_stress(data: SceneData) -> None:
+    """Refuse a fluid in plane stress.
+
+    Raises:
+        InputError: Names the material.
+    """
+    if data.numerics.plane == "stress" and data.dim == 2:
+        for material in data.materials:
+            if material.strength.id == StrengthId.FLUID:
+                raise values.thin_fluid(material.name)
 
 
 def check_contact(data: SceneData) -> None:
