@@ -29,6 +29,7 @@ from .kernels.timestep import (
 from .launch import Command, Launcher
 from .materials import pack
 from .memory import Policy, policy_of
+from .messages import values
 from .neighbours import Neighbours
 from .particles import Particles
 from .penetration import interpenetration
@@ -156,8 +157,22 @@ class Solver:
         self.neighbours.build()
         if self.reference is not None:
             self.reference.build()
-        self._run_still(self._scheme.settle(self._bind) + self._scheme.derive(self._bind))
+        self._run_still(self._scheme.settle(self._bind))
+        self._check_laws()
+        self._run_still(self._scheme.derive(self._bind))
         self._run_still(self._scheme.probe(self._bind))
+
+    def _check_laws(self) -> None:
+        """Refuse a start for which an equation of state has no answer.
+
+        Raises:
+            InputError: Names the body, its material and the state.
+        """
+        beyond = self.particles.clipped.numpy() > 0
+        if beyond.any():
+            data, k = self.data, int(self.particles.id.numpy()[beyond].min())
+            material = data.materials[data.mat[k]].name
+            raise values.beyond_law(data.bodies[data.body[k]], material, data.rho[k], data.e[k])
 
     def _kernels(self) -> set[wp.Kernel]:
         """The kernels of this run, launched or of one module with those that are."""
@@ -356,14 +371,15 @@ class Solver:
             i = int(np.argmax((p["inverted"] > 0) & (p["kernel_type"] == LAGRANGIAN)))
             cause = f"turned over, det F below {SMALLEST_J:g}: too distorted for a Total Lagrangian particle"
         else:
-            speed = p["cl"] + VISCOUS_SHARE * p.get("av_switch", 1.0) * (
-                self._scheme.viscosity_alpha * p["cs"] + self._scheme.viscosity_beta * p["mu"]
-            )
-            accel = np.linalg.norm(p["dvdt"], axis=1)
-            limit = np.minimum(
-                self._constants.cfl * self.data.h / speed,
-                ACCELERATION_CFL * np.sqrt(self.data.h / np.maximum(accel, 1e-300)),
-            )
+            with np.errstate(all="ignore"):  # what stops a run may be beyond all numbers
+                speed = p["cl"] + VISCOUS_SHARE * p.get("av_switch", 1.0) * (
+                    self._scheme.viscosity_alpha * p["cs"] + self._scheme.viscosity_beta * p["mu"]
+                )
+                accel = np.linalg.norm(p["dvdt"].astype(np.float64), axis=1)
+                limit = np.minimum(
+                    self._constants.cfl * self.data.h / speed,
+                    ACCELERATION_CFL * np.sqrt(self.data.h / np.maximum(accel, 1e-300)),
+                )
             i = int(np.argmin(limit))
             cause = f"time step collapsed to {limit[i]:.3g} s (wave speed {p['cl'][i]:.3g} m/s, acceleration {accel[i]:.3g} m/s^2)"
         body = self.data.bodies[p["body"][i]]
