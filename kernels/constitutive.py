@@ -81,11 +81,12 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool, lagrangian: bool
             """Secant search for L_zz with sigma_zz = 0, started with the elastic slope dt (K + 4G/3).
 
             ρ is the density at the end of the step if the thickness does not change. Where no thickness will do, it
-            changes as far as it may in a step, and does not grow where ρ leaves the range of its law.
+            changes as far as it may in a step, and no further where ρ/ρ0 leaves the range from `ETA_MIN` to 1/`ETA_MIN`.
             """
             modulus = rho * c_old * c_old + stiff * m.G
-            lowest = -widest / dt
-            highest = wp.clamp(wp.log(rho / (thinnest * m.rho0)) / dt, zero, -lowest)
+            most, eta = widest / dt, rho / m.rho0
+            lowest = wp.clamp(wp.log(thinnest * eta) / dt, -most, zero)
+            highest = wp.clamp(wp.log(eta / thinnest) / dt, zero, most)
             L0 = zero
             rho_new = real(rho)
             tau_new, d_ep, p, c, out, D_new = trial(m, L, dt, rho, e, tau, ep, T, D)

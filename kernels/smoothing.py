@@ -8,7 +8,6 @@ import warp as wp
 
 from .spec import Spec
 
-
 GAUSSIAN_CUT = 3.0 * (1.0 - 1.0e-6)
 """Where the Gaussian ends, in h. It jumps there: a little less than 3, so that no distance of a lattice is on the edge."""
 
