@@ -23,7 +23,7 @@ END = 1e9
 """A time that no scene gets to [s]."""
 
 BOUNDS = {"float64": 1e-11, "mixed": 1e-4, "float32": 1e-4}
-"""Largest error of energy and momentum of conservative schemes, over what there is of it without regard to sign."""
+"""Largest error of energy and momentum of conservative schemes, over what there is of them, see `Sums`."""
 
 
 @dataclass(frozen=True)
@@ -123,18 +123,18 @@ def conserves(data: SceneData) -> bool:
 
 
 class Sums:
-    """Conserved quantities, and what there is of them without regard to sign."""
+    """Conserved quantities, and what there is of energy E without regard to sign, and of momentum at most, √(2 M E)."""
 
     def __init__(self, solver: Solver):
         self.ledger = now = solver.ledger()
         p = solver.particles
-        m, v, e = (getattr(p, name).numpy().astype(np.float64) for name in ("m", "v", "e"))
+        m, e = (getattr(p, name).numpy().astype(np.float64) for name in ("m", "e"))
         self.energy = energy(now) - now["work"]
         self.momentum = np.array([now[f"momentum_{c}"] - now[f"impulse_{c}"] for c in "xyz"])
         held = np.abs(p.work.numpy()).sum() if hasattr(p, "work") else 0.0
         pushed = np.abs(p.impulse.numpy()).sum() if hasattr(p, "impulse") else 0.0
         self.energies = now["kinetic_energy"] + m @ np.abs(e) + held
-        self.momenta = m @ np.linalg.norm(v, axis=1) + pushed
+        self.momenta = np.sqrt(2.0 * m.sum() * self.energies) + pushed
         self.free = np.array([axis not in dict(solver.data.planes) for axis in range(3)])
 
     def errors(self, later: "Sums") -> tuple[float, float]:
