@@ -19,6 +19,9 @@ PLANE_STRESS_TOLERANCE = 1.0e-9
 THICKNESS_STEP = 1.0
 """Largest logarithmic strain across a sheet in a step: hot or torn matter may have no thickness without stress."""
 
+UNMET = 1.0e-3
+"""A sigma_zz that stays above this share counts as out of range: no thickness will do."""
+
 
 @functools.cache
 def make_constitutive(s: Spec, plane_stress: bool, split: bool, lagrangian: bool = False) -> wp.Kernel:
@@ -34,7 +37,7 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool, lagrangian: bool
     Material, tensor, eos = make_material(s), make_tensor(s), make_eos(s)
     strength, damage, nonlinear = make_strength(s), make_damage(s), int(FIRST_NONLINEAR)
     one, zero, stiff = real(1.0), real(0.0), real(4.0 / 3.0)
-    widest, thinnest = real(THICKNESS_STEP), real(ETA_MIN)
+    widest, thinnest, unmet = real(THICKNESS_STEP), real(ETA_MIN), real(UNMET)
     tolerance = real(PLANE_STRESS_TOLERANCE if s.real is wp.float64 else 1.0e-5)
 
     @wp.func
@@ -103,6 +106,8 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool, lagrangian: bool
                         slope = (f1 - f0) / (L1 - L0)
                     L0, f0 = L1, f1
                     L1 = wp.clamp(L0 - f0 / slope, lowest, highest)
+            if wp.abs(f0) > unmet * modulus:
+                out = wp.int32(1)
             return rho_new, tau_new, d_ep, p, c, out, D_new, L[2, 2]
 
     else:

@@ -145,7 +145,7 @@ def _wendland_c4(s: Spec):
 
 def _gaussian(s: Spec):
     real = s.real
-    cut = real(3.0)
+    cut = real(GAUSSIAN_CUT)
 
     @wp.func
     def shape(q: real):

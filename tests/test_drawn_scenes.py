@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
-from tools import FLUID, SPACING, by_id, jittered, scene
+from tools import FLUID, SPACING, by_id, jittered, overwrite, scene
 
 from warpsph.balance import Balance
 from warpsph.config import Conversion
@@ -58,7 +58,7 @@ def test_pairs_exactly_at_the_support_are_the_same_from_both_sides_of_a_plane(sc
     coupled = scheme == "adaptle"
     conversion = Conversion(strain=0.01) if coupled else None
     made = scene(2, scheme=scheme, kernel="gaussian", smoothing_ratio=1.0, conversion=conversion)
-    x = jittered(2, 9, 0.0) + [0.37 * SPACING, 0.0, 0.0]
+    x = jittered(2, 9, 0.0) + np.array([0.37 * SPACING, 0.0, 0.0])
     turning = 3e5 * np.cross([0.0, 0.0, 1.0], x - x.mean(axis=0))
     velocity = turning if coupled else (500.0, 900.0, 0.0)
     made.add_body("block", x, "aluminium", velocity=velocity, density=2785.0 if coupled else 2900.0)
@@ -109,13 +109,21 @@ def sheet(material, energy=0.0):
     return made
 
 
-def test_matter_too_hot_for_plane_stress_stays_within_its_law():
-    """No thickness leaves it without stress: it thins out as far as its law goes, and no further."""
-    solver = Solver(sheet("steel-jc", energy=1e7).finalize())
+def test_a_sheet_too_hot_for_plane_stress_is_refused():
+    with pytest.raises(InputError, match=r"body 'sheet' starts beyond .*internal energy of 1e\+07 J/kg"):
+        Solver(sheet("steel-jc", energy=1e7).finalize())
+    steps(Solver(sheet("steel-jc", energy=1e5).finalize()), 1)
+
+
+def test_matter_that_heats_up_in_plane_stress_stays_within_its_law():
+    """No thickness leaves it without stress: it thins out as far as its law goes, and that is counted."""
+    solver = Solver(sheet("steel-jc").finalize())
+    overwrite(solver, e=np.full(16, 1e7))
     steps(solver, 30)
     rho = by_id(solver, "rho")
     assert np.isfinite(by_id(solver, "x")).all() and np.isfinite(rho).all()
     assert (rho > 0.5e-3 * 7903.0).all() and by_id(solver, "p").max() > 1e8
+    assert by_id(solver, "clipped").max() > 0
 
 
 def test_a_fluid_in_plane_stress_is_refused():

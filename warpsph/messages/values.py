@@ -32,7 +32,8 @@ def beyond_law(body: str, material: str, density: float, energy: float) -> Input
     """A body starts in a state [kg/m^3, J/kg] that the equation of state of its material does not reach."""
     return InputError(
         f"body {body!r} starts beyond the equation of state of material {material!r}, at a density of {density:g} kg/m^3 and "
-        f"an internal energy of {energy:g} J/kg; allowed: states that have a pressure and a sound speed"
+        f"an internal energy of {energy:g} J/kg; allowed: states that have a pressure and a sound speed, "
+        "and in plane stress a thickness without stress"
     )
 
 
