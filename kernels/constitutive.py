@@ -11,7 +11,7 @@ from . import eos as eos_laws
 from . import strength as strength_laws
 from .damage import make_damage
 from .deformation import INVERTED
-from .eos import make_eos
+from .eos import ETA_MIN, make_eos
 from .kernel_type import ERODED, LAGRANGIAN
 from .material import FIRST_NONLINEAR, make_material
 from .spec import Spec
@@ -20,6 +20,12 @@ from .tensor import make_tensor
 
 PLANE_STRESS_TOLERANCE = 1.0e-9
 """Plane stress: sigma_zz is driven below this share of K + 4G/3."""
+
+THICKNESS_STEP = 1.0
+"""Largest logarithmic strain across a sheet in a step: hot or torn matter may have no thickness without stress."""
+
+UNMET = 1.0e-3
+"""A sigma_zz that stays above this share counts as out of range: no thickness will do."""
 
 
 @functools.cache
@@ -43,6 +49,7 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool, lagrangian: bool
     Material, tensor, eos = make_material(s), make_tensor(s), make_eos(s)
     strength, damage, nonlinear = make_strength(s), make_damage(s), int(FIRST_NONLINEAR)
     one, zero, stiff = real(1.0), real(0.0), real(4.0 / 3.0)
+    widest, thinnest, unmet = real(THICKNESS_STEP), real(ETA_MIN), real(UNMET)
     tolerance = real(PLANE_STRESS_TOLERANCE if s.real is wp.float64 else 1.0e-5)
 
     @wp.func
@@ -88,14 +95,18 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool, lagrangian: bool
         ):
             """Secant search for L_zz with sigma_zz = 0, started with the elastic slope dt (K + 4G/3).
 
-            ρ is the density at the end of the step if the thickness does not change.
+            ρ is the density at the end of the step if the thickness does not change. Where no thickness will do, it
+            changes as far as it may in a step, and no further where ρ/ρ0 leaves the range from `ETA_MIN` to 1/`ETA_MIN`.
             """
             modulus = rho * c_old * c_old + stiff * m.G
+            most, eta = widest / dt, rho / m.rho0
+            lowest = wp.clamp(wp.log(thinnest * eta) / dt, -most, zero)
+            highest = wp.clamp(wp.log(eta / thinnest) / dt, zero, most)
             L0 = zero
             rho_new = real(rho)
             tau_new, d_ep, p, c, out, D_new = trial(m, L, dt, rho, e, tau, ep, T, D)
             f0 = tau_new[2, 2] - p
-            L1 = L0 - f0 / (dt * modulus)
+            L1 = wp.clamp(L0 - f0 / (dt * modulus), lowest, highest)
             for _k in range(20):
                 if wp.abs(f0) > tolerance * modulus:
                     L[2, 2] = L1
@@ -106,7 +117,9 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool, lagrangian: bool
                     if wp.abs(f1 - f0) > zero and (f1 - f0) / (L1 - L0) > real(0.1) * slope:
                         slope = (f1 - f0) / (L1 - L0)
                     L0, f0 = L1, f1
-                    L1 = L0 - f0 / slope
+                    L1 = wp.clamp(L0 - f0 / slope, lowest, highest)
+            if wp.abs(f0) > unmet * modulus:
+                out = wp.int32(1)
             return rho_new, tau_new, d_ep, p, c, out, D_new, L[2, 2]
 
     else:

@@ -9,6 +9,11 @@ from .kernel_type import ERODED, EULERIAN
 from .spec import Spec
 from .tensor import make_tensor
 
+EDGE = 1.0 - 1.0e-6
+"""Reference neighbours are nearer than this share of the support. A lattice has pairs exactly at the support when that is
+a multiple of its spacing: were they on the edge, rounding would decide, and for the images at a symmetry plane not the
+same on both sides."""
+
 FORCE, ARTIFICIAL_STRESS = 1, 2
 """Bits of a pair: stress and viscosity in the Eulerian form; artificial stress."""
 
@@ -84,7 +89,7 @@ def make_coupling(s: Spec, coupling: Coupling) -> wp.Function:
     stress_on = {"both": (True, True), "none": (False, False), "eulerian": (True, False)}[coupling.stress]
     eulerian = ARTIFICIAL_STRESS if stress_on[0] else 0
     lagrangian = ARTIFICIAL_STRESS if stress_on[1] else 0
-    conservative = form == "conservative"
+    conservative, edge2 = form == "conservative", real(EDGE**2)
 
     @wp.func
     def terms(type_i: wp.int32, type_j: wp.int32, same: bool, Xij: vec, reach: real):
@@ -95,10 +100,10 @@ def make_coupling(s: Spec, coupling: Coupling) -> wp.Function:
         if type_i == type_j:
             return wp.where(type_i == EULERIAN, wp.static(ALL), 0)
         if type_i == EULERIAN:
-            if wp.static(conservative) and dot(Xij, Xij) < reach * reach:
+            if wp.static(conservative) and dot(Xij, Xij) < edge2 * reach * reach:
                 return wp.static(eulerian)
             return wp.static(eulerian | FORCE)
-        if wp.static(conservative) and dot(Xij, Xij) >= reach * reach:
+        if wp.static(conservative) and dot(Xij, Xij) >= edge2 * reach * reach:
             return wp.static(lagrangian | FORCE)
         return wp.static(lagrangian)
 

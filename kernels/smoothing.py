@@ -8,6 +8,9 @@ import warp as wp
 
 from .spec import Spec
 
+GAUSSIAN_CUT = 3.0 * (1.0 - 1.0e-6)
+"""Where the Gaussian ends, in h. It jumps there: a little less than 3, so that no distance of a lattice is on the edge."""
+
 
 class Smoothing(NamedTuple):
     """The two device functions an SPH sum needs, and the support.
@@ -142,7 +145,7 @@ def _wendland_c4(s: Spec):
 
 def _gaussian(s: Spec):
     real = s.real
-    cut = real(3.0)
+    cut = real(GAUSSIAN_CUT)
 
     @wp.func
     def shape(q: real):
@@ -156,7 +159,7 @@ def _gaussian(s: Spec):
             return -real(2.0) * wp.exp(-q * q)
         return real(0.0)
 
-    return shape, slope_q, _gaussian_norm(s.dim, 3.0), 3.0
+    return shape, slope_q, _gaussian_norm(s.dim, GAUSSIAN_CUT), GAUSSIAN_CUT
 
 
 _SHAPES = {

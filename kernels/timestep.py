@@ -26,6 +26,10 @@ CONTACT_CFL = 0.5
 """Coefficient of the contact limit 1/sqrt(stiffness/mass): two particles at it turn by 0.7 of a radian a step."""
 
 
+LEAP = 1.0
+"""Largest distance in h by which two particles, or one and an image, come nearer to each other in a step."""
+
+
 class TimestepKernels(NamedTuple):
     """Kernels of this file."""
 
@@ -52,7 +56,7 @@ def make_timestep(
     lowered, finite, value, Bits = lanes.lowered, lanes.finite, lanes.value, lanes.Bits
     zero = real(0.0)
     share, acceleration = real(VISCOUS_SHARE), real(ACCELERATION_CFL)
-    floor, contact_cfl = wp.float64(FLOOR), real(CONTACT_CFL)
+    floor, contact_cfl, leap_h = wp.float64(FLOOR), real(CONTACT_CFL), real(LEAP)
     options = ("lagrangian" * lagrangian, "contact" * contact, "switched" * switched)
     module = s.module(__name__, "_".join(filter(None, options)))
     over_lanes = s.module(__name__, "_".join(filter(None, ("local", *options))), lanes=True)
@@ -93,10 +97,18 @@ def make_timestep(
         across: wp.int32,
         # out:
         block_dt: wp.array[real],
+        block_low: wp.array[vec],
+        block_high: wp.array[vec],
     ):
-        """Block minima of dt_a = cfl h/(c_l + 0.6 q(α c + β mu)) [s], h as it shrinks in the reference configuration."""
+        """Block minima of dt_a = cfl h/(c_l + 0.6 q(α c + β mu)) [s], h as it shrinks in the reference configuration.
+
+        Besides the lowest and the highest components of velocity in the block [m/s].
+        """
         b = wp.tid() + offset
         dt_b = wp.cast(real(1.0e30), Bits)
+        # scalars, not vectors: the compiler keeps them in registers
+        low_x, low_y, low_z = real(1.0e30), real(1.0e30), real(1.0e30)
+        high_x, high_y, high_z = real(-1.0e30), real(-1.0e30), real(-1.0e30)
         first = b * across
         last = wp.min(chunk, (n - first + along - 1) / along)
         k = wp.int32(0)
@@ -105,7 +117,11 @@ def make_timestep(
             signal = viscosity_alpha * read.real(cs, i) + viscosity_beta * read.real(mu, i)
             if wp.static(switched):
                 signal *= read.real(av_switch, i)
-            check = read.real(rho, i) + read.real(e, i) + wp.dot(vec(read.point(x, i)), read.vec(v, i))
+            vi = read.vec(v, i)
+            check = read.real(rho, i) + read.real(e, i) + wp.dot(vec(read.point(x, i)), vi)
+            low_x, high_x = wp.min(low_x, vi[0]), wp.max(high_x, vi[0])
+            low_y, high_y = wp.min(low_y, vi[1]), wp.max(high_y, vi[1])
+            low_z, high_z = wp.min(low_z, vi[2]), wp.max(high_z, vi[2])
             speed = read.real(cl, i) + share * signal
             if wp.static(lagrangian):
                 speed *= read.real(shrink, i)
@@ -117,25 +133,35 @@ def make_timestep(
             )
             k += 1
         block_dt[b] = value(dt_b)
+        block_low[b] = vec(low_x, low_y, low_z)
+        block_high[b] = vec(high_x, high_y, high_z)
 
     @wp.kernel(module=module)
     def fold(
         offset: wp.int32,
         # in:
         block_dt: wp.array[real],
+        block_low: wp.array[vec],
+        block_high: wp.array[vec],
         tile_wear: wp.array[real],
         # out:
         folded_dt: wp.array[real],
+        folded_low: wp.array[vec],
+        folded_high: wp.array[vec],
         folded_wear: wp.array[real],
     ):
-        """Minima of block_dt [s] and maxima of tile_wear [-], so few that one thread can go through them."""
+        """Extremes of the blocks [s, m/s] and maxima of tile_wear [-], so few that one thread can go through them."""
         b = wp.tid() + offset
         smallest, worn = real(1.0e30), real(0.0)
+        low, high = vec(real(1.0e30)), vec(real(-1.0e30))
         for k in range(b, block_dt.shape[0], folded_dt.shape[0]):
             smallest = wp.min(smallest, block_dt[k])
+            low, high = wp.min(low, block_low[k]), wp.max(high, block_high[k])
         for t in range(b, tile_wear.shape[0], folded_wear.shape[0]):
             worn = wp.max(worn, tile_wear[t])
         folded_dt[b] = smallest
+        folded_low[b] = low
+        folded_high[b] = high
         folded_wear[b] = worn
 
     @wp.kernel(module=module)
@@ -143,9 +169,13 @@ def make_timestep(
         offset: wp.int32,
         # in:
         block_dt: wp.array[real],
+        block_low: wp.array[vec],
+        block_high: wp.array[vec],
         tile_wear: wp.array[real],
         unlisted: wp.array[wp.int32],
         turned: wp.array[wp.int32],
+        h: real,
+        plane_mask: wp.int32,
         # out:
         dt: wp.array[real],
         clock: wp.array[wp.float64],
@@ -155,10 +185,22 @@ def make_timestep(
 
         clock = [time, t_stop, dt, smallest dt, largest dt, first dt, wear]; count = [status, steps].
         The last step before t_stop hits it exactly, and the one before is halved rather than leaving a sliver.
+        Nothing comes nearer to anything by more than `LEAP` h: what is not yet in reach limits no other step.
         """
         smallest, worn = real(1.0e30), real(0.0)
+        low, high = vec(real(1.0e30)), vec(real(-1.0e30))
         for k in range(offset, block_dt.shape[0]):
             smallest = wp.min(smallest, block_dt[k])
+            low, high = wp.min(low, block_low[k]), wp.max(high, block_high[k])
+        speed2 = real(0.0)
+        for c in range(3):
+            speed = high[c] - low[c]
+            if (plane_mask >> c) & 1 == 1:  # an image moves the other way
+                speed = real(2.0) * wp.max(-low[c], high[c])
+            speed2 += speed * speed
+        leap = leap_h * h / wp.sqrt(speed2)
+        if leap < smallest:
+            smallest = leap
         for t in range(tile_wear.shape[0]):
             worn = wp.max(worn, tile_wear[t])
         if dt[0] > zero:

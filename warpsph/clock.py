@@ -34,7 +34,11 @@ class Clock:
         clock: time, t_stop, dt, smallest, largest and first dt [s], wear of the skin, float64.
         count: Status and number of steps, int32.
         block_dt: Partial minima of dt [s].
-        folded_dt: Minima of those, few enough for one thread; 1 long where the blocks are, as the next one.
+        block_low: Partial minima of the components of velocity [m/s].
+        block_high: Partial maxima of them [m/s].
+        folded_dt: Minima of dt, few enough for one thread; 1 long where the blocks are, as the next ones.
+        folded_low: Minima of velocity, as many.
+        folded_high: Maxima of velocity, as many.
         folded_wear: Largest wear of the tiles, as many.
     """
 
@@ -44,6 +48,10 @@ class Clock:
             self.clock = wp.array([0.0, 0.0, 0.0, np.inf, 0.0, 0.0, 0.0], dtype=wp.float64)
             self.count = wp.zeros(2, dtype=wp.int32)
             self.block_dt = wp.zeros(blocks.count, dtype=spec.real)
+            self.block_low, self.block_high = (wp.zeros(blocks.count, dtype=spec.vec) for _ in range(2))
+            self.folded_low, self.folded_high = (
+                wp.zeros(max(blocks.folds, 1), dtype=spec.vec) for _ in range(2)
+            )
             self.folded_dt = wp.zeros(max(blocks.folds, 1), dtype=spec.real)
             self.folded_wear = wp.zeros(max(blocks.folds, 1), dtype=spec.real)
 

@@ -7,7 +7,7 @@ import warp as wp
 
 from . import census
 from .block import LINE
-from .blocks import Blocks
+from .blocks import CUDA_STEP_BLOCKS, Blocks
 from .cells import count_cells
 from .fields import of_groups
 from .kernels.guards import COLUMNS
@@ -19,6 +19,9 @@ from .rows import lasting
 from .scene import SceneData
 from .schemes.scheme import Scheme
 from .tiles import first_width, tiles_of
+
+EXTREMES = 7
+"""Numbers that each block of the time step leaves: dt, and the least and largest velocity."""
 
 AT_HAND = 160
 """Bytes for each particle that an output takes beside its copy of the state: a tensor, in order and in the file's form."""
@@ -71,7 +74,7 @@ def estimate(
     rows, all_rows, beside = _rows(data, spec, scheme, policy, device)
     work = _work_space(n, data, spec, scheme, max(map(size, fields)))
     neighbours = max(rows, work) if scheme.searching else 0
-    found = {"fields": state, "neighbours": neighbours + beside, "work": _work(n, scheme, device)}
+    found = {"fields": state, "neighbours": neighbours + beside, "work": _work(n, spec, scheme, device)}
     if "lagrangian" in scheme.groups:
         found["reference"] = _reference(data, spec, scheme, policy)
     listed = n * (size(spec.point) + 4 * ("lagrangian" in scheme.groups)) if scheme.searching else 0
@@ -133,9 +136,11 @@ def _reference(data: SceneData, spec: Spec, scheme: Scheme, policy: Policy) -> i
     return int(rows + (1 + corrected) * size(spec.real) * entries + own * n)
 
 
-def _work(n: int, scheme: Scheme, device: wp.Device) -> int:
-    """Bytes of the arrays of a step, and of the sums that the ledger and the guards take block by block."""
+def _work(n: int, spec: Spec, scheme: Scheme, device: wp.Device) -> int:
+    """Bytes of the arrays of a step, and of what the time step, the ledger and the guards take block by block."""
     with wp.ScopedDevice("cpu"):
         one, two = (sum(array.capacity for array in scheme.arrays(k).values()) for k in (1, 2))
     columns = len(SUMS) + len(MAXIMA) + COLUMNS
-    return one + (n - 1) * (two - one) + 8 * Blocks(n, device.is_cuda).count * columns
+    step = Blocks(n, device.is_cuda, CUDA_STEP_BLOCKS if device.is_cuda else None)
+    extremes = (step.count + max(step.folds, 1)) * wp.types.type_size_in_bytes(spec.real) * EXTREMES
+    return one + (n - 1) * (two - one) + 8 * Blocks(n, device.is_cuda).count * columns + extremes

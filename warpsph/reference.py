@@ -7,6 +7,7 @@ import warp as wp
 from .block import Block
 from .cells import CellList, count_cells
 from .kernels.correction import make_correction
+from .kernels.coupling import EDGE
 from .kernels.neighbours import make_neighbours
 from .kernels.reference import make_reference
 from .kernels.smoothing import Smoothing
@@ -75,7 +76,7 @@ class Reference:
         rows = Rows(p.n, cells, self._search, self._launcher, self._policy, block)
         cells.build(p.X, reach, block)
         self.rows = block
-        rows.fill(self._neighbours, p, x=p.X, radius=reach)
+        rows.fill(self._neighbours, p, x=p.X, radius=EDGE * reach)
         self.start0, self.n_neigh0, self.neigh0 = rows.start, rows.n_neigh, rows.neigh
         self.mean_count = rows.mean_count()
         self.slopes, self.weights = Block(self._launcher.device), Block(self._launcher.device)

@@ -10,7 +10,6 @@ import warp as wp
 from .admission import admit
 from .blocks import CUDA_STEP_BLOCKS, Blocks
 from .clock import Clock, Reading
-from .closing import courant
 from .compilation import compile_modules, kernels_of
 from .contact import contact_constants
 from .copies import make_room, to_device, to_host
@@ -24,6 +23,7 @@ from .launch import Command, Launcher
 from .magnitudes import check_magnitudes
 from .materials import pack
 from .memory import Policy, policy_of
+from .messages import values
 from .need import estimate
 from .neighbours import Neighbours
 from .particles import Particles
@@ -118,7 +118,7 @@ class Solver:
             searching=self._scheme.searching,
         )
         self.reference = self._find_reference()
-        self._constants = SimpleNamespace(h=h, spacing=data.spacing, cfl=courant(data))
+        self._constants = SimpleNamespace(h=h, spacing=data.spacing, cfl=data.numerics.cfl)
         self._work = self._allocate_work()
         self.program = Program(self.launcher)
         self.watch = Watch(
@@ -172,8 +172,22 @@ class Solver:
         self.neighbours.build()
         if self.reference is not None:
             self.reference.build()
-        self._run_still(self._scheme.settle(self._bind) + self._scheme.derive(self._bind))
+        self._run_still(self._scheme.settle(self._bind))
+        self._check_laws()
+        self._run_still(self._scheme.derive(self._bind))
         self._run_still(self._scheme.probe(self._bind))
+
+    def _check_laws(self) -> None:
+        """Refuse a start for which an equation of state has no answer.
+
+        Raises:
+            InputError: Names the body, its material and the state.
+        """
+        beyond = self.particles.clipped.numpy() > 0
+        if beyond.any():
+            data, k = self.data, int(self.particles.id.numpy()[beyond].min())
+            material = data.materials[data.mat[k]].name
+            raise values.beyond_law(data.bodies[data.body[k]], material, data.rho[k], data.e[k])
 
     def _kernels(self) -> set[wp.Kernel]:
         """The kernels of this run, launched or of one module with those that are."""

@@ -45,6 +45,23 @@ def lacks(what: str, need: str, allowed: str) -> InputError:
     return InputError(f"{what} needs {need}; allowed: {allowed}")
 
 
+def thin_fluid(material: str) -> InputError:
+    """A fluid in plane stress: without strength, and without stress across, it can have no pressure."""
+    return InputError(
+        f"material {material!r} does not go with plane = 'stress': it has no strength, so that nothing but its pressure "
+        "could act across, and that must be none; allowed: plane = 'strain', or a solid"
+    )
+
+
+def beyond_law(body: str, material: str, density: float, energy: float) -> InputError:
+    """A body starts in a state [kg/m^3, J/kg] that the equation of state of its material does not reach."""
+    return InputError(
+        f"body {body!r} starts beyond the equation of state of material {material!r}, at a density of {density:g} kg/m^3 and "
+        f"an internal energy of {energy:g} J/kg; allowed: states that have a pressure and a sound speed, "
+        "and in plane stress a thickness without stress"
+    )
+
+
 def shown(value: object) -> str:
     """A value as it is shown: as Python writes it, cut where it is long."""
     text = repr(value.tolist() if hasattr(value, "tolist") else value)  # numpy's as plain numbers

@@ -65,6 +65,18 @@ def _check_solid(data: SceneData) -> None:
             )
 
 
+def check_plane_stress(data: SceneData) -> None:
+    """Refuse a fluid in plane stress.
+
+    Raises:
+        InputError: Names the material.
+    """
+    if data.numerics.plane == "stress" and data.dim == 2:
+        for material in data.materials:
+            if material.strength.id == StrengthId.FLUID:
+                raise values.thin_fluid(material.name)
+
+
 def check_contact(data: SceneData) -> None:
     """Refuse contact whose stiffness would be none.
 

@@ -11,7 +11,7 @@ from warpsph.scene import SceneData
 
 from . import SCHEMES, EulerianSettings, GodunovSettings, LagrangianSettings
 from .adaptive import Adaptive
-from .checks import check_contact, check_eulerian, check_lagrangian, check_radius
+from .checks import check_contact, check_eulerian, check_lagrangian, check_plane_stress, check_radius
 from .eulerian import Eulerian
 from .godunov import ParshikovMedin, TimeSplit
 from .lagrangian import TotalLagrangian
@@ -28,6 +28,7 @@ def make_scheme(data: SceneData, spec: Spec) -> Scheme:
     if isinstance(settings, GodunovSettings):
         _check_godunov(data)
     check_contact(data)
+    check_plane_stress(data)
     if isinstance(settings, LagrangianSettings):
         check_lagrangian(data, settings)
     else:

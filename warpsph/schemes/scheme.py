@@ -174,6 +174,7 @@ class Scheme(ABC):
         if not blocks.folds:
             return [*worn, local, bind(self._timestep.decide, 1)]  # dt and verdict
         few = {"block_dt": "folded_dt", "tile_wear": "folded_wear"}
+        few |= {"block_low": "folded_low", "block_high": "folded_high"}
         fold, decide = bind(self._timestep.fold, blocks.folds), bind(self._timestep.decide, 1, **few)
         return [*worn, local, fold, decide]
 

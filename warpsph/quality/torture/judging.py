@@ -1,0 +1,173 @@
+"""Runs a drawn scene and says what became of it."""
+
+import re
+import traceback
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from warpsph.balance import energy
+from warpsph.errors import InputError, RunError
+from warpsph.scene import SceneData
+from warpsph.schemes import SCHEMES, LagrangianSettings
+from warpsph.solver import Solver
+
+from .drawn import DrawnScene
+
+STEPS = 200
+"""Steps that a scene has to run."""
+
+END = 1e9
+"""A time that no scene gets to [s]."""
+
+BOUNDS = {"float64": 1e-11, "mixed": 1e-4, "float32": 1e-4}
+"""Largest error of energy and momentum of conservative schemes, over what there is of them, see `Sums`."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a drawn scene.
+
+    Attributes:
+        kind: ``"ran"``, ``"refused"``, ``"turned over"``, ``"beyond"`` or ``"failed"``, see `judge`.
+        detail: The message, or what is wrong.
+        energy_error: Error of energy, see `BOUNDS`.
+        momentum_error: Error of momentum.
+        particles: Number of particles.
+        steps: Steps taken.
+        conserved: It ran, and conserves energy and momentum.
+    """
+
+    kind: str
+    detail: str = ""
+    energy_error: float = 0.0
+    momentum_error: float = 0.0
+    particles: int = 0
+    steps: int = 0
+    conserved: bool = False
+
+
+def judge(drawn: DrawnScene, steps: int = STEPS) -> Outcome:
+    """Run a drawn scene.
+
+    It must run with a finite state, all particles and masses there, and energy and momentum within `BOUNDS`; or be
+    refused before the first step, in one line that says what is allowed. Two reasons to stop are granted: a Total
+    Lagrangian particle that turned over where the scene asks for no conversion, and matter that was beyond its equation
+    of state, which is where that has no sound speed or no pressure. The line must name the particle.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)
+        try:
+            return _judge(drawn, steps)
+        except Exception as error:  # whatever it is, it is what is looked for
+            where = traceback.extract_tb(error.__traceback__)[-1]
+            return Outcome(
+                "failed", f"{type(error).__name__}: {error} ({where.name} in {Path(where.filename).name})"
+            )
+
+
+def _judge(drawn: DrawnScene, steps: int) -> Outcome:
+    try:
+        solver = Solver(drawn.made().finalize(), precision=drawn.precision, threads=1)
+    except InputError as error:
+        text = str(error)
+        return Outcome("refused" if "\n" not in text and "allowed" in text else "failed", text)
+    before, n = Sums(solver), solver.particles.n
+    try:
+        solver.advance(END, lambda now: now.steps >= steps)
+    except RunError as error:
+        return Outcome(_reason(solver, str(error)), str(error), particles=n, steps=_steps(str(error)))
+    energy_error, momentum_error = before.errors(Sums(solver))
+    wrong = _wrong(solver)
+    if solver.reading.steps < steps:
+        wrong.append(f"only {solver.reading.steps} steps")
+    bound, mutual = BOUNDS[drawn.precision], conserves(solver.data)
+    conserved = mutual and exact(solver.data)
+    if conserved and not energy_error <= bound:
+        wrong.append(f"energy error {energy_error:.2g}")
+    if mutual and not momentum_error <= bound:
+        wrong.append(f"momentum error {momentum_error:.2g}")
+    kind = "failed" if wrong else "ran"
+    return Outcome(kind, ", ".join(wrong), energy_error, momentum_error, n, solver.reading.steps, conserved)
+
+
+def _reason(solver: Solver, message: str) -> str:
+    """Why a run stopped, if that is granted."""
+    if "\n" in message or not re.search(
+        r"particle \d+ of body '.*' \(material '.*'\) at \(.*\) m: ", message
+    ):
+        return "failed"
+    if "turned over" in message:
+        return "turned over" if solver.data.numerics.inverted == "stop" else "failed"
+    return "beyond" if solver.particles.clipped.numpy().any() else "failed"
+
+
+def _steps(message: str) -> int:
+    return int(re.search(r"step (\d+):", message)[1])
+
+
+def exact(data: SceneData) -> bool:
+    """Whether the stepping conserves energy."""
+    return getattr(SCHEMES[data.numerics.scheme], "exact_energy", True)
+
+
+def conserves(data: SceneData) -> bool:
+    """Whether action is reaction in a run."""
+    settings, numerics = SCHEMES[data.numerics.scheme], data.numerics
+    if not isinstance(settings, LagrangianSettings) or settings.eulerian is None:
+        return True
+    lopsided = numerics.interface_stress == "eulerian" and settings.eulerian.artificial_stress
+    return numerics.coupling == "conservative" and not lopsided
+
+
+class Sums:
+    """Conserved quantities, and what there is of energy E without regard to sign, and of momentum at most, √(2 M E)."""
+
+    def __init__(self, solver: Solver):
+        self.ledger = now = solver.ledger()
+        p = solver.particles
+        m, e = (getattr(p, name).numpy().astype(np.float64) for name in ("m", "e"))
+        self.energy = energy(now) - now["work"]
+        self.momentum = np.array([now[f"momentum_{c}"] - now[f"impulse_{c}"] for c in "xyz"])
+        held = np.abs(p.work.numpy()).sum() if hasattr(p, "work") else 0.0
+        pushed = np.abs(p.impulse.numpy()).sum() if hasattr(p, "impulse") else 0.0
+        self.energies = now["kinetic_energy"] + m @ np.abs(e) + held
+        self.momenta = np.sqrt(2.0 * m.sum() * self.energies) + pushed
+        self.free = np.array([axis not in dict(solver.data.planes) for axis in range(3)])
+
+    def errors(self, later: "Sums") -> tuple[float, float]:
+        """Errors of energy and momentum since then."""
+        energies = max(self.energies, later.energies) or 1.0
+        momenta = max(self.momenta, later.momenta) or 1.0
+        change = np.linalg.norm((later.momentum - self.momentum)[self.free])
+        return abs(later.energy - self.energy) / energies, float(change / momenta)
+
+
+def kind_of(message: str) -> str:
+    """What kind of message a text is: without its numbers and names."""
+    text = re.sub(r"'[^']*'|\([^)]*\)", "…", message)
+    text = re.sub(r"[-+]?\d[\d.]*(e[-+]?\d+)?", "#", text)
+    return text.split("; allowed")[0]
+
+
+def _wrong(solver: Solver) -> list[str]:
+    """What of the particles is not as it must be."""
+    arrays, data = solver.particles.arrays(), solver.data
+    wrong = [
+        f"{name} not finite"
+        for name, values in arrays.items()
+        if values.dtype.kind == "f" and name not in ("p_high", "p_low") and not np.isfinite(values).all()
+    ]
+    ids = arrays["id"]
+    if not (np.sort(ids) == np.arange(len(data.x))).all():
+        return [*wrong, "particles lost"]
+    if not (arrays["m"] == data.m[ids].astype(arrays["m"].dtype)).all():
+        wrong.append("masses changed")
+    if not (arrays["rho"] > 0.0).all():
+        wrong.append("density not positive")
+    for name in ("body", "mat", "fixed"):
+        if name in arrays and not (arrays[name] == getattr(data, name)[ids]).all():
+            wrong.append(f"{name} changed")
+    return wrong
