@@ -29,6 +29,9 @@ SOLIDS = ("elastic", "dense", "loose", "glass", *(name for name in materials.nam
 FLUIDS = ("water", "spray", "molten", "gas", "air")
 """Materials without."""
 
+FAILING = ("aluminium-jc", "sic")
+"""Materials with a damage law."""
+
 FACTORS = (0.5, 0.7, 0.9, 1.1, 1.5, 2.0, 0.1, 10.0, 0.0)
 """What constants of laws are changed by."""
 
@@ -163,6 +166,9 @@ def drawn_bodies(
         or dict(kernels.options).get("plane") == "stress"
     )
     names = SOLIDS if solid and ("wrong" not in wild or draw(st.booleans())) else (*SOLIDS, *FLUIDS)
+    failing = dict(kernels.options).get("erosion") or dict(kernels.conversion).get("damage")
+    if failing and before is None and "wrong" not in wild:
+        names = FAILING
     material = draw(drawn_materials(names, wild))
     speed, aside = draw(speeds(wild)), draw(sampled((0.0, 0.0, 0.3, 1.0, -1.0)))
     velocity = [0.0, 0.0, 0.0]

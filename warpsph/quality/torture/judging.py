@@ -1,5 +1,6 @@
 """Runs a drawn scene and says what became of it."""
 
+import math
 import re
 import traceback
 import warnings
@@ -22,8 +23,11 @@ STEPS = 200
 END = 1e9
 """A time that no scene gets to [s]."""
 
+SLOW = 0.01
+"""Speed over that of sound at which a body counts as moving when errors are weighed."""
+
 BOUNDS = {"float64": 1e-11, "mixed": 1e-4, "float32": 1e-4}
-"""Largest error of energy and momentum of conservative schemes, over what there is of them, see `Sums`."""
+"""Largest error of energy and momentum of conservative schemes, over what there is of them, see `Account`."""
 
 
 @dataclass(frozen=True)
@@ -74,12 +78,12 @@ def _judge(drawn: DrawnScene, steps: int) -> Outcome:
     except InputError as error:
         text = str(error)
         return Outcome("refused" if "\n" not in text and "allowed" in text else "failed", text)
-    before, n = Sums(solver), solver.particles.n
+    account, n = Account(solver), solver.particles.n
     try:
-        solver.advance(END, lambda now: now.steps >= steps)
+        solver.advance(END, lambda now: account.update() or now.steps >= steps)
     except RunError as error:
         return Outcome(_reason(solver, str(error)), str(error), particles=n, steps=_steps(str(error)))
-    energy_error, momentum_error = before.errors(Sums(solver))
+    energy_error, momentum_error = account.errors()
     wrong = _wrong(solver)
     if solver.reading.steps < steps:
         wrong.append(f"only {solver.reading.steps} steps")
@@ -122,27 +126,44 @@ def conserves(data: SceneData) -> bool:
     return numerics.coupling == "conservative" and not lopsided
 
 
-class Sums:
-    """Conserved quantities, and what there is of energy E without regard to sign, and of momentum at most, √(2 M E)."""
+class Account:
+    """Energy and momentum of a run, and what there has been of them at most.
+
+    That is of energy E its sum without regard to sign, and of momentum √(2 M E); but no less than at `SLOW` of the speed of
+    sound. A body may be at rest without energy, and what rounding then makes goes with its moduli.
+    """
 
     def __init__(self, solver: Solver):
-        self.ledger = now = solver.ledger()
-        p = solver.particles
-        m, e = (getattr(p, name).numpy().astype(np.float64) for name in ("m", "e"))
-        self.energy = energy(now) - now["work"]
-        self.momentum = np.array([now[f"momentum_{c}"] - now[f"impulse_{c}"] for c in "xyz"])
-        held = np.abs(p.work.numpy()).sum() if hasattr(p, "work") else 0.0
-        pushed = np.abs(p.impulse.numpy()).sum() if hasattr(p, "impulse") else 0.0
-        self.energies = now["kinetic_energy"] + m @ np.abs(e) + held
-        self.momenta = np.sqrt(2.0 * m.sum() * self.energies) + pushed
-        self.free = np.array([axis not in dict(solver.data.planes) for axis in range(3)])
+        self._solver, p = solver, solver.particles
+        m, c = (getattr(p, name).numpy().astype(np.float64) for name in ("m", "cs"))
+        self._free = np.array([axis not in dict(solver.data.planes) for axis in range(3)])
+        self._most_energy = 0.5 * float(m @ (SLOW * c) ** 2)
+        self._most_momentum = float(m @ (SLOW * c))
+        self._energy_change = self._momentum_change = 0.0
+        self._start = self._now()
 
-    def errors(self, later: "Sums") -> tuple[float, float]:
-        """Errors of energy and momentum since then."""
-        energies = max(self.energies, later.energies) or 1.0
-        momenta = max(self.momenta, later.momenta) or 1.0
-        change = np.linalg.norm((later.momentum - self.momentum)[self.free])
-        return abs(later.energy - self.energy) / energies, float(change / momenta)
+    def update(self) -> None:
+        """Take the state as it is now into account."""
+        (start, pushed), (now, momentum) = self._start, self._now()
+        self._energy_change = max(self._energy_change, abs(now - start))
+        change = np.linalg.norm((momentum - pushed)[self._free])
+        self._momentum_change = max(self._momentum_change, float(change))
+
+    def errors(self) -> tuple[float, float]:
+        """Largest errors of energy and momentum so far."""
+        return self._energy_change / self._most_energy, self._momentum_change / self._most_momentum
+
+    def _now(self) -> tuple[float, np.ndarray]:
+        """Energy and momentum, less what constraints have given."""
+        p, now = self._solver.particles, self._solver.ledger()
+        m = p.m.numpy().astype(np.float64)
+        given = float(np.abs(p.work.numpy()).sum()) if hasattr(p, "work") else 0.0
+        pushed = float(np.abs(p.impulse.numpy()).sum()) if hasattr(p, "impulse") else 0.0
+        energies = float(now["kinetic_energy"] + m @ np.abs(p.e.numpy()) + given)
+        self._most_energy = max(self._most_energy, energies)
+        self._most_momentum = max(self._most_momentum, math.sqrt(2.0 * float(m.sum()) * energies) + pushed)
+        momentum = np.array([now[f"momentum_{c}"] - now[f"impulse_{c}"] for c in "xyz"])
+        return energy(now) - now["work"], momentum
 
 
 def kind_of(message: str) -> str:
