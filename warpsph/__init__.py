@@ -23,7 +23,7 @@ _EXPORTS = {
         "JohnsonCookDamage", "JohnsonHolmquist1", "LinearElastic", "LinearHardening", "Material", "PerfectlyPlastic",
         "Polynomial", "ShockMieGrueneisen", "StiffenedGas", "moduli",
     ),
-    "errors": ("InputError", "RunError"),
+    "errors": ("Ended", "InputError", "RunError"),
 }  # fmt: skip
 """Public names by the module that defines them."""
 

@@ -3,21 +3,28 @@
 import contextlib
 import inspect
 import math
+import os
 import sys
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NoReturn
 
 from cyclopts import App, CycloptsError, Group, Parameter, UnusedCliTokensError
 
 from . import __version__, exhaustion, library
-from .errors import InputError, RunError
+from . import walltime as wall
+from .errors import DiskError, Ended, InputError, RunError
 from .library import SceneFile
 from .progress import Progress, quiet_warp
+from .signals import listening
 from .storage import folder as output_folder
 
-INPUT, STOPPED, INTERRUPTED = 2, 3, 130
-"""Exit codes besides 0: bad input, a run that had to stop, Ctrl-C."""
+INPUT, STOPPED, DISK, INTERRUPTED = 2, 3, 4, 130
+"""Exit codes besides 0: bad input, a run that had to stop, a disk that takes no more, Ctrl-C; `Ended` has its own."""
+
+SIGNALLED = (INTERRUPTED, 143)
+"""Exit codes of what a signal has ended."""
 
 FILE_ERRORS = (FileNotFoundError, FileExistsError, PermissionError, NotADirectoryError, IsADirectoryError)
 """Failures of the file system that a user can put right on the command line."""
@@ -35,13 +42,13 @@ Flag = Annotated[bool, Parameter(negative="")]
 
 
 def main(tokens: Sequence[str] | None = None) -> None:
-    """Run a command and exit: 0 done, 2 bad input, 3 run stopped, 130 interrupted.
+    """Run a command and exit: 0 done, 2 bad input, 3 run stopped, 4 disk full, 5 wall time up, 130 SIGINT, 143 SIGTERM.
 
     Args:
         tokens: Words after ``warpsph``; those of the process by default.
     """
     tokens = list(sys.argv[1:] if tokens is None else tokens)
-    sys.exit(_exit_code(lambda: _app(tokens), tokens))
+    _exit(_exit_code(lambda: _app(tokens), tokens))
 
 
 def run_file(path: str) -> None:
@@ -56,13 +63,13 @@ def run_file(path: str) -> None:
         file = library.load(path)
         return _new_app(Path(path).name, "", default_command=_run_command(file, script=True))
 
-    sys.exit(_exit_code(make, tokens))
+    _exit(_exit_code(make, tokens))
 
 
 def _exit_code(make: Callable[[], App], tokens: list[str]) -> int:
     """Run an application; every expected failure becomes one line on stderr and its exit code."""
     try:
-        with exhaustion.told():
+        with listening(final=True), exhaustion.told():
             make()(tokens, exit_on_error=False, print_error=False, verbose=False)
     except UnusedCliTokensError as error:
         return _complain(f"unexpected argument {(error.unused_tokens or ['?'])[0]!r}", INPUT)
@@ -70,11 +77,24 @@ def _exit_code(make: Callable[[], App], tokens: list[str]) -> int:
         return _complain(error, INPUT)
     except FILE_ERRORS as error:
         return _complain(f"{error.filename}: {error.strerror}", INPUT)
+    except DiskError as error:
+        return _complain(error, DISK)
     except (RunError, OSError) as error:
         return _complain(error, STOPPED)
+    except Ended as ended:
+        return _complain(ended, ended.code)
     except KeyboardInterrupt:
         return _complain("interrupted", INTERRUPTED)
     return 0
+
+
+def _exit(code: int) -> NoReturn:
+    """Exit; after a signal without waiting for threads that still compile, as the interpreter would."""
+    others = (thread for thread in threading.enumerate() if thread is not threading.main_thread())
+    if code in SIGNALLED and not all(thread.daemon for thread in others):
+        sys.stdout.flush()
+        os._exit(code)
+    sys.exit(code)
 
 
 def _complain(problem: object, code: int) -> int:
@@ -145,6 +165,7 @@ def run(
     threads: int | None = None,
     force: Flag = False,
     frames: bool = True,
+    walltime: str | None = None,
     **parameters: Any,
 ) -> None:
     """Run a scene; `warpsph run SCENE --help` shows the scene's own parameters too.
@@ -158,10 +179,12 @@ def run(
         threads: CPU threads; all cores if not given.
         force: Replace what an earlier run left in the folder.
         frames: Render a picture for each snapshot.
+        walltime: Wall time after which to stop with a checkpoint on the disk: 3600 [s], 45:00, 2:30:00 or 1-12:00:00.
         **parameters: Those of the scene.
     """
     out = out or Path("runs", file.name)
     _check_limits(until, threads)
+    limit = _limit(walltime)
     output_folder.check(out, force)
     with _reporting(device) as progress:
         from .run import run as run_scene
@@ -170,7 +193,7 @@ def run(
         values = {name: p.default for name, p in file.parameters.items()} | parameters
         summary = run_scene(
             scene, out, device=device, precision=precision, threads=threads, until=until, force=force,
-            parameters=values, source=file.source, frames=frames, progress=progress,
+            parameters=values, source=file.source, frames=frames, progress=progress, walltime=_left(limit),
         )  # fmt: skip
     _print_summary(summary, out)
 
@@ -182,7 +205,8 @@ def resume(
     until: float | None = None,
     device: str | None = None,
     threads: int | None = None,
-    frames: bool = True,
+    frames: bool | None = None,
+    walltime: str | None = None,
 ) -> None:
     """Go on with a run from its last checkpoint.
 
@@ -191,17 +215,19 @@ def resume(
         until: New time to stop at [s]; that of the run if not given.
         device: Where to compute; as before if not given.
         threads: CPU threads; all cores if not given.
-        frames: Render a picture for each snapshot.
+        frames: Render a picture for each snapshot; as the run was told if not given.
+        walltime: Wall time after which to stop with a checkpoint on the disk: 3600 [s], 45:00, 2:30:00 or 1-12:00:00.
     """
     _check_limits(until, threads)
-    if not (folder / "checkpoint.h5").is_file():
-        raise InputError(f"{folder} holds no checkpoint.h5; allowed: the folder of a run")
+    limit = _limit(walltime)
+    output_folder.check_run(folder)
     with _reporting(device) as progress:
         from .run import resume as resume_run
 
         summary = resume_run(
-            folder, until=until, threads=threads, device=device, frames=frames, progress=progress
-        )
+            folder, until=until, threads=threads, device=device, frames=frames, progress=progress,
+            walltime=_left(limit),
+        )  # fmt: skip
     _print_summary(summary, folder)
 
 
@@ -421,6 +447,16 @@ def _check_limits(until: float | None, threads: int | None) -> None:
         raise InputError(f"--until {until:g} is not allowed; allowed: a positive time [s]")
     if threads is not None and threads < 1:
         raise InputError(f"--threads {threads} is not allowed; allowed: 1 or more")
+
+
+def _limit(walltime: str | None) -> float | None:
+    """Read the wall time of this process [s]."""
+    return None if walltime is None else wall.parse(walltime)
+
+
+def _left(limit: float | None) -> float | None:
+    """What is left now of a limit that counts from the start of this process [s]."""
+    return None if limit is None else max(limit - wall.age(), 0.0)
 
 
 def _print_summary(summary: dict[str, Any], out: Path) -> None:

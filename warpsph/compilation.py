@@ -1,6 +1,7 @@
 """Compile the kernels of a run side by side, before the first of them is launched."""
 
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 
 import warp as wp
 
@@ -25,7 +26,16 @@ def compile_modules(kernels: set[wp.Kernel], device: wp.Device) -> None:
         device: Where they will be launched.
     """
     modules = sorted({kernel.module for kernel in kernels}, key=lambda module: module.name)
-    wp.force_load(device, modules, max_workers=min(count_cores(), len(modules) // PER_THREAD))
+    workers = min(count_cores(), len(modules) // PER_THREAD)
+    if workers < 2:
+        wp.force_load(device, modules, max_workers=0)
+        return
+    pool = ThreadPoolExecutor(workers)
+    try:
+        for loaded in [pool.submit(wp.force_load, device, [module], max_workers=0) for module in modules]:
+            loaded.result()
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)  # who is told to stop does not wait for the compiler
 
 
 def _within(value: object) -> Iterator[wp.Kernel]:

@@ -100,12 +100,31 @@ def find(folder: Path) -> list[Path]:
     )
 
 
-def series(folder: Path, times: dict[str, float] | None = None) -> Path | None:
+def keep(folder: Path, count: int) -> None:
+    """Remove all snapshots but the first ``count``; the index loses them first, so that it never names one too many.
+
+    Args:
+        folder: As for `find`.
+        count: Snapshots to keep, one or more.
+
+    Raises:
+        InputError: If a snapshot that is kept is damaged.
+        RunError: If the index cannot be written.
+    """
+    later = find(folder)[count:]
+    if later:
+        series(folder, count=count)
+    for path in later:
+        path.unlink()
+
+
+def series(folder: Path, times: dict[str, float] | None = None, count: int | None = None) -> Path | None:
     """Write the index ``NAME.vtkhdf.series`` that ParaView opens as one animation.
 
     Args:
         folder: As for `find`.
         times: Times [s] by name of snapshots read before; those of others are read and noted here.
+        count: Only the first so many snapshots; all by default.
 
     Returns:
         The index, or None if there is no snapshot yet.
@@ -114,7 +133,7 @@ def series(folder: Path, times: dict[str, float] | None = None) -> Path | None:
         InputError: If a snapshot is damaged.
         RunError: If the index cannot be written.
     """
-    paths = find(folder)
+    paths = find(folder)[:count]
     if not paths:
         return None
     times = {} if times is None else times
