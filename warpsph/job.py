@@ -93,7 +93,7 @@ class Job:
         self.next_row = info["next_row"]
         self.step_wall, self.wall = info["step_wall"], info["wall"]
         self._output_time = info["time"]
-        snapshot.keep(self.out, self.next_snapshot)  # not the last one of a run that was ended in between
+        snapshot.drop(self.out, self.next_snapshot)  # not the last one of a run that was ended in between
 
     def finish(self) -> dict[str, Any]:
         """Run to the end, whatever ends it, and write the summary.
