@@ -16,7 +16,8 @@ def run(means: Means) -> Findings:
     found = Findings(("tried", "times", "as it should be"))
     trial = _Trial(means, found)
     trial.add("two started at the same moment: one runs, the other is refused", trial.together, 20, 1)
-    trial.add("a second `run`, `run --force`, `resume`: refused, nothing is changed", trial.refused, 4, 0)
+    others = "while it runs: `run`, `run --force`, `resume` are refused, `info` and `plot` work"
+    trial.add(others, trial.refused, 4, 0)
     trial.add("a run that was killed: `resume` says so, and takes its lock over", trial.stale, 4, 0)
     found.notes.append(
         "Who is refused ends with code 2 and one line that names host and process, and since when."
@@ -76,6 +77,9 @@ class _Trial:
         for tokens in (force, force[:-1], ("resume", out)):
             code, said = Child(*tokens).end()
             wrong += self.judge(code, said, 2, [first])
+        for tokens in (("info", out), ("plot", out, "--output", out.with_suffix(".svg"))):
+            code, said = Child(*tokens).end()
+            wrong += [] if code == 0 else [f"{tokens[0]} ended with code {code}: {said}"]
         if (out / "scene.py").stat() != before or not (out / "checkpoint.h5").exists():
             wrong.append("files of the run were touched")
         if first.process.poll() is not None:
