@@ -71,7 +71,7 @@ def test_missing_or_foreign_file_is_refused(tmp_path):
 def test_other_version_is_refused(path):
     with h5py.File(path, "a") as file:
         file.attrs["format_version"] = 99
-    with pytest.raises(InputError, match="has format version 99; this warpsph reads version 2"):
+    with pytest.raises(InputError, match="has format version 99; this warpsph reads version 3"):
         checkpoint.load(path)
 
 

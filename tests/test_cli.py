@@ -202,12 +202,12 @@ def test_a_folder_without_permission_is_refused(monkeypatch, tmp_path):
     [
         (RunError("particle 7 of body plate\nhas no finite pressure"), 3, "plate has no finite"),
         (InputError("density = -1.0 is not allowed"), 2, "density"),
-        (DiskError("no room"), 4, "no room"),
         (Ended("wall time is up", 5), 5, "wall time is up"),
         (Ended("terminated", 143), 143, "terminated"),
         (KeyboardInterrupt(), 130, "interrupted"),
         (PermissionError(13, "Permission denied", "here"), 2, "here: Permission denied"),
-        (OSError(28, "No space left on device"), 3, "No space left"),
+        (OSError(28, "No space left on device"), 4, "No space left"),
+        (DiskError("out/a.vtkhdf could not be written"), 4, "could not be written"),
     ],
 )
 def test_failures_have_their_exit_codes(scene, runner, command, failure, code, words):

@@ -12,7 +12,7 @@ import pytest
 from tools import SPACING, by_id, collision, jittered, scene
 
 from warpsph import cli
-from warpsph.errors import RunError
+from warpsph.errors import DiskError, RunError
 from warpsph.shapes import Disc
 from warpsph.solver import Solver
 from warpsph.storage import checkpoint, history, snapshot
@@ -177,14 +177,14 @@ def test_a_snapshot_that_cannot_be_written_stops_the_run(folder, monkeypatch, ca
 
     def full(path, state):
         if path.stem.endswith("3"):
-            raise RunError(f"{path} could not be written: No space left on device")
+            raise DiskError(f"{path} could not be written: No space left on device")
         write(path, state)
 
     monkeypatch.setattr(snapshot, "write", full)
-    assert command("run", "balls.py", "--out", "out", "--no-frames") == 3
+    assert command("run", "balls.py", "--out", "out", "--no-frames") == 4
     err = capsys.readouterr().err
     assert "balls_0003.vtkhdf could not be written: No space left on device" in err
-    assert "last snapshot: out/snapshots/balls_0002.vtkhdf" in err
+    assert "last snapshot: out/snapshots/balls_0002.vtkhdf; then `warpsph resume out` goes on" in err
     assert [path.name for path in snapshot.find("out")] == [f"balls_000{k}.vtkhdf" for k in range(3)]
     monkeypatch.undo()
     monkeypatch.chdir(folder)

@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from warpsph.errors import InputError, RunError
+from warpsph.errors import DiskError, InputError
 from warpsph.storage import history
 from warpsph.storage.history import History
 
@@ -94,6 +94,6 @@ def test_missing_file(tmp_path):
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 def test_full_disk_stops_the_run(tmp_path):
     table = History(tmp_path / "history.csv", COLUMNS[:1])
-    table._stream = open("/dev/full", "w")
-    with pytest.raises(RunError, match="could not be written: No space left"):
+    table._stream = open("/dev/full", "wb", buffering=0)
+    with pytest.raises(DiskError, match="could not be written: No space left"):
         table.write([0.0])

@@ -1,6 +1,7 @@
 """Output in the background: in order, bounded, and no error is lost."""
 
 import functools
+import json
 import resource
 import signal
 import threading
@@ -11,7 +12,7 @@ import pytest
 from states import impact
 from tools import collision
 
-from warpsph.errors import RunError
+from warpsph.errors import DiskError, RunError
 from warpsph.progress import Progress
 from warpsph.run import run as run_scene
 from warpsph.solver import Solver
@@ -124,8 +125,8 @@ def failing_at(number, error, monkeypatch):
 @pytest.mark.parametrize(("number", "last"), [(2, "test_0001.vtkhdf"), (0, "none"), (6, "test_0005.vtkhdf")])
 def test_an_output_that_fails_stops_the_run(tmp_path, monkeypatch, number, last):
     """The message has the cause and the last snapshot, which is there with its checkpoint; none comes after it."""
-    failing_at(number, RunError("snapshot could not be written: No space left on device"), monkeypatch)
-    with pytest.raises(RunError, match=f"No space left on device; last snapshot: .*{last}"):
+    failing_at(number, DiskError("snapshot could not be written: No space left on device"), monkeypatch)
+    with pytest.raises(DiskError, match=f"No space left on device; last snapshot: .*{last}"):
         run_scene(balls(), tmp_path / "out", frames=False)
     found = snapshot.find(tmp_path / "out")
     assert len(found) == number
@@ -189,7 +190,7 @@ def test_ctrl_c_waits_for_a_slow_disk(tmp_path, monkeypatch):
     times = [snapshot.time(path) for path in snapshot.find(out)]
     assert len(times) == 4 and times == sorted(set(times)) and 1.2e-6 < times[-1] < 1.5e-6
     info = checkpoint.load(out / "checkpoint.h5")[1]
-    assert (info["time"], info["next_snapshot"]) == (times[-1], 3)
+    assert (info["time"], info["job"]["next_snapshot"]) == (times[-1], 3)
     assert not list(out.rglob("*.part"))
 
 
@@ -220,9 +221,9 @@ def test_a_disk_that_fills_up_under_hdf5_is_one_clean_error(tmp_path, limit):
     resource.setrlimit(resource.RLIMIT_FSIZE, (limit, before[1]))
     try:
         for _ in range(3):
-            with pytest.raises(RunError, match=r"s_0000.vtkhdf could not be written: File too large"):
+            with pytest.raises(DiskError, match=r"s_0000.vtkhdf could not be written: File too large"):
                 snapshot.write(path, impact())
-        with pytest.raises(RunError, match=r"c.h5 could not be written: File too large"):
+        with pytest.raises(DiskError, match=r"c.h5 could not be written: File too large"):
             checkpoint.save(tmp_path / "c.h5", {"x": np.zeros((50_000, 3))}, {})
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
@@ -233,19 +234,23 @@ def test_a_disk_that_fills_up_under_hdf5_is_one_clean_error(tmp_path, limit):
 
 def test_host_memory_is_used_again(tmp_path, monkeypatch):
     """As many copies as outputs are in memory, not as many as there are outputs."""
-    from warpsph.particles import Particles
-
-    rooms, room = [], Particles.room
-    monkeypatch.setattr(Particles, "room", lambda self: rooms.append(1) or room(self))
+    rooms, room = [], Solver.room
+    monkeypatch.setattr(Solver, "room", lambda self: rooms.append(1) or room(self))
     run_scene(balls(), tmp_path / "out", frames=False)
     assert 1 <= len(rooms) <= PENDING and len(snapshot.find(tmp_path / "out")) == 7
 
 
-def test_each_snapshot_is_read_once_for_the_index(tmp_path, monkeypatch):
+def test_no_snapshot_is_read_back_for_the_index(tmp_path, monkeypatch):
     read, reads = snapshot.time, []
     monkeypatch.setattr(snapshot, "time", lambda path: reads.append(path.name) or read(path))
     run_scene(balls(), tmp_path / "out", frames=False)
-    assert reads == [path.name for path in snapshot.find(tmp_path / "out")]
+    assert not reads and len(snapshot.find(tmp_path / "out")) == 7
+    index, names = (
+        next(tmp_path.glob("out/snapshots/*.series")),
+        [path.name for path in snapshot.find(tmp_path / "out")],
+    )
+    told = json.loads(index.read_text())["files"]
+    assert told == [{"name": name, "time": read(tmp_path / "out/snapshots" / name)} for name in names]
 
 
 def test_a_glance_sees_what_a_copy_holds_until_the_run_goes_on():

@@ -15,6 +15,7 @@ if importlib.util.find_spec("warpsph.kernels") is None:
 _EXPORTS = {
     "scene": ("Scene", "SceneData", "spin"),
     "config": ("Numerics",),
+    "guards": ("Guards",),
     "state": ("State",),
     "shapes": ("Box", "Cone", "Cylinder", "Disc", "HalfSpace", "Mesh", "Ring", "Shape", "Sphere"),
     "lattices": ("Cartesian", "CoreAndRings", "FaceCentredCubic", "Hexagonal", "Lattice", "Rings"),
@@ -23,7 +24,7 @@ _EXPORTS = {
         "JohnsonCookDamage", "JohnsonHolmquist1", "LinearElastic", "LinearHardening", "Material", "PerfectlyPlastic",
         "Polynomial", "ShockMieGrueneisen", "StiffenedGas", "moduli",
     ),
-    "errors": ("Ended", "InputError", "RunError"),
+    "errors": ("DiskError", "Ended", "InputError", "RunError"),
 }  # fmt: skip
 """Public names by the module that defines them."""
 

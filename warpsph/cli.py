@@ -12,16 +12,17 @@ from typing import Annotated, Any, Literal, NoReturn
 
 from cyclopts import App, CycloptsError, Group, Parameter, UnusedCliTokensError
 
-from . import __version__, exhaustion, library
+from . import __version__, exhaustion, library, streams
 from . import walltime as wall
 from .errors import DiskError, Ended, InputError, RunError
 from .library import SceneFile
+from .messages import files
 from .progress import Progress, quiet_warp
 from .signals import listening
 from .storage import folder as output_folder
 
 INPUT, STOPPED, DISK, INTERRUPTED = 2, 3, 4, 130
-"""Exit codes besides 0: bad input, a run that had to stop, a disk that takes no more, Ctrl-C; `Ended` has its own."""
+"""Exit codes besides 0: bad input, a run that had to stop, output that could not be written, Ctrl-C; `Ended` has its own."""
 
 SIGNALLED = (INTERRUPTED, 143)
 """Exit codes of what a signal has ended."""
@@ -42,7 +43,9 @@ Flag = Annotated[bool, Parameter(negative="")]
 
 
 def main(tokens: Sequence[str] | None = None) -> None:
-    """Run a command and exit: 0 done, 2 bad input, 3 run stopped, 4 disk full, 5 wall time up, 130 SIGINT, 143 SIGTERM.
+    """Run a command and exit.
+
+    Codes: 0 done, 2 bad input, 3 run stopped, 4 output not written, 5 wall time up, 130 SIGINT, 143 SIGTERM.
 
     Args:
         tokens: Words after ``warpsph``; those of the process by default.
@@ -67,7 +70,18 @@ def run_file(path: str) -> None:
 
 
 def _exit_code(make: Callable[[], App], tokens: list[str]) -> int:
-    """Run an application; every expected failure becomes one line on stderr and its exit code."""
+    """Run an application and empty the streams; every expected failure becomes one line on stderr and its exit code."""
+    streams.fill()
+    code = _attempt(make, tokens)
+    lost = streams.empty()
+    if lost is not None and not code:
+        code = _complain(files.unwritten("standard output", lost), DISK)
+        streams.empty()
+    return code
+
+
+def _attempt(make: Callable[[], App], tokens: list[str]) -> int:
+    """Run an application; gives its exit code."""
     try:
         with listening(final=True), exhaustion.told():
             make()(tokens, exit_on_error=False, print_error=False, verbose=False)
@@ -77,9 +91,13 @@ def _exit_code(make: Callable[[], App], tokens: list[str]) -> int:
         return _complain(error, INPUT)
     except FILE_ERRORS as error:
         return _complain(f"{error.filename}: {error.strerror}", INPUT)
+    except BrokenPipeError:  # whoever read the output has left
+        return 0
+    except OSError as error:
+        return _complain(files.unwritten(error.filename or "standard output", error), DISK)
     except DiskError as error:
         return _complain(error, DISK)
-    except (RunError, OSError) as error:
+    except RunError as error:
         return _complain(error, STOPPED)
     except Ended as ended:
         return _complain(ended, ended.code)
@@ -92,14 +110,13 @@ def _exit(code: int) -> NoReturn:
     """Exit; after a signal without waiting for threads that still compile, as the interpreter would."""
     others = (thread for thread in threading.enumerate() if thread is not threading.main_thread())
     if code in SIGNALLED and not all(thread.daemon for thread in others):
-        sys.stdout.flush()
-        os._exit(code)
+        os._exit(code)  # the streams are empty
     sys.exit(code)
 
 
 def _complain(problem: object, code: int) -> int:
     """Print one line, whatever the message holds."""
-    print("warpsph:", " ".join(str(problem).split()), file=sys.stderr)
+    print("warpsph:", " ".join(str(problem).split()), file=streams.Dropping(sys.stderr))
     return code
 
 
@@ -162,6 +179,8 @@ def run(
     device: str = "cpu",
     precision: Literal["float64", "float32", "mixed"] = "float64",
     until: float | None = None,
+    energy_limit: float | None = None,
+    on_trouble: Literal["stop", "warn"] | None = None,
     threads: int | None = None,
     force: Flag = False,
     frames: bool = True,
@@ -176,6 +195,8 @@ def run(
         device: Where to compute: cpu, or cuda:0, cuda:1, ...
         precision: Arithmetic of the particles; mixed: positions in float64, the rest in float32.
         until: Time to stop at [s], in place of the scene's.
+        energy_limit: Largest energy error before the run stops or warns.
+        on_trouble: What all guards do, in place of what the scene says: end the run, or warn and go on.
         threads: CPU threads; all cores if not given.
         force: Replace what an earlier run left in the folder.
         frames: Render a picture for each snapshot.
@@ -193,7 +214,7 @@ def run(
         values = {name: p.default for name, p in file.parameters.items()} | parameters
         summary = run_scene(
             scene, out, device=device, precision=precision, threads=threads, until=until, force=force,
-            parameters=values, source=file.source, frames=frames, progress=progress, walltime=_left(limit),
+            energy_limit=energy_limit, on_trouble=on_trouble, parameters=values, source=file.source, frames=frames, progress=progress, walltime=_left(limit),
         )  # fmt: skip
     _print_summary(summary, out)
 
@@ -203,7 +224,10 @@ def resume(
     /,
     *,
     until: float | None = None,
+    energy_limit: float | None = None,
+    on_trouble: Literal["stop", "warn"] | None = None,
     device: str | None = None,
+    precision: Literal["float64", "float32", "mixed"] | None = None,
     threads: int | None = None,
     frames: bool | None = None,
     walltime: str | None = None,
@@ -213,7 +237,10 @@ def resume(
     Args:
         folder: Folder of the run.
         until: New time to stop at [s]; that of the run if not given.
+        energy_limit: Largest energy error before the run stops or warns; as before if not given.
+        on_trouble: What all guards do from here on: end the run, or warn and go on; as before if not given.
         device: Where to compute; as before if not given.
+        precision: Arithmetic of the particles; as before if not given.
         threads: CPU threads; all cores if not given.
         frames: Render a picture for each snapshot; as the run was told if not given.
         walltime: Wall time after which to stop with a checkpoint on the disk: 3600 [s], 45:00, 2:30:00 or 1-12:00:00.
@@ -225,8 +252,8 @@ def resume(
         from .run import resume as resume_run
 
         summary = resume_run(
-            folder, until=until, threads=threads, device=device, frames=frames, progress=progress,
-            walltime=_left(limit),
+            folder, until=until, energy_limit=energy_limit, on_trouble=on_trouble, threads=threads, device=device,
+            precision=precision, frames=frames, progress=progress, walltime=_left(limit),
         )  # fmt: skip
     _print_summary(summary, folder)
 
@@ -269,10 +296,10 @@ def render(
 
 
 def info(path: Path, /) -> None:
-    """Describe a run (its summary) or a snapshot (bodies, time, range of every quantity).
+    """Describe a run (its summary), a snapshot (bodies, time, range of every quantity) or a checkpoint.
 
     Args:
-        path: Folder of a run, or a .vtkhdf file.
+        path: Folder of a run, a .vtkhdf file, or a checkpoint .h5.
     """
     from .info import describe
 

@@ -1,14 +1,20 @@
 """Compile the kernels of a run side by side, before the first of them is launched."""
 
-from collections.abc import Iterator
+import shutil
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import warp as wp
 
 from .launch import count_cores
+from .messages import files
 
 PER_THREAD = 4
 """Modules that a thread has to compile to be worth it: it makes a precompiled header first, in the time of some six."""
+
+PER_MODULE = 2e6
+"""Bytes that a compiled module may take on the disk."""
 
 
 def kernels_of(*holders: object) -> set[wp.Kernel]:
@@ -24,8 +30,12 @@ def compile_modules(kernels: set[wp.Kernel], device: wp.Device) -> None:
     Args:
         kernels: Kernels that will be launched, with Warp's usual number of threads per block.
         device: Where they will be launched.
+
+    Raises:
+        DiskError: If the disk of the kernel cache is too full for those that it lacks.
     """
     modules = sorted({kernel.module for kernel in kernels}, key=lambda module: module.name)
+    _check_room(modules, device)
     workers = min(count_cores(), len(modules) // PER_THREAD)
     if workers < 2:
         wp.force_load(device, modules, max_workers=0)
@@ -36,6 +46,17 @@ def compile_modules(kernels: set[wp.Kernel], device: wp.Device) -> None:
             loaded.result()
     finally:
         pool.shutdown(wait=False, cancel_futures=True)  # who is told to stop does not wait for the compiler
+
+
+def _check_room(modules: Sequence[wp.Module], device: wp.Device) -> None:
+    """See that the kernel cache takes what has to be compiled: on a full disk the compiler would end the process."""
+    cache = Path(wp.config.kernel_cache_dir)
+    free = shutil.disk_usage(cache).free
+    if free < PER_MODULE * len(modules):
+        block = 1 if device.is_cpu else None  # a CPU's code is for blocks of one thread
+        lacking = [module for module in modules if not (cache / module.get_module_identifier(block)).is_dir()]
+        if free < PER_MODULE * len(lacking):
+            raise files.full_cache(cache, PER_MODULE * len(lacking), free)
 
 
 def _within(value: object) -> Iterator[wp.Kernel]:

@@ -6,7 +6,7 @@ class InputError(ValueError):
 
 
 class RunError(RuntimeError):
-    """A run that had to stop (non-finite state, collapsing time step, full disk). Exit code 3.
+    """A run that had to stop (non-finite state, collapsing time step). Exit code 3.
 
     The message is one line; for a particle it names id, body, material, position and cause.
     """

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from . import exhaustion
-from .errors import Ended, RunError
-from .messages import stops
+from .errors import DiskError, Ended, RunError
+from .messages import files, stops
 from .storage import snapshot
 from .storage import summary as summaries
 from .walltime import Deadline
@@ -26,6 +26,7 @@ def draw(out: Path, summary: dict[str, Any], deadline: Deadline) -> None:
         deadline: When to have ended.
 
     Raises:
+        DiskError: A frame could not be written.
         Ended: By a signal, at once, or because the wall time is up; `warpsph resume` draws the frames later.
     """
     from .render import render
@@ -35,6 +36,8 @@ def draw(out: Path, summary: dict[str, Any], deadline: Deadline) -> None:
             render(out, on_frame=_watch(deadline))
     except Ended as ended:
         raise stops.undrawn(ended, out) from None
+    except DiskError as error:
+        raise files.no_frames(error, out) from error
     except RunError as error:
         summary["warnings"].append(f"no frames: {error}")
         summaries.write(out, summary)

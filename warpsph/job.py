@@ -1,6 +1,7 @@
 """One run in progress: what is due when, what goes to the disk, and how it ends."""
 
 import contextlib
+import copy
 import json
 import math
 import time
@@ -10,12 +11,12 @@ from typing import Any
 
 import warp as wp
 
-from . import __version__, exhaustion
+from . import __version__, exhaustion, origin
 from .balance import Balance, energy
 from .clock import Reading
-from .errors import Ended, RunError
+from .errors import DiskError, Ended, RunError
 from .kernels.parts import PARTS
-from .messages import stops
+from .messages import files, remarks, stops
 from .progress import Progress
 from .scene import SceneData
 from .signals import Stop
@@ -45,6 +46,13 @@ OWN_COLUMNS = (
 """Columns of history.csv that every run has; a measure of the same name takes the column's place."""
 
 
+KEPT = (
+    "interval", "row_interval", "ends", "due", "next_snapshot", "next_row", "neighbours", "peaks", "remarks",
+    "step_wall", "wall",
+)  # fmt: skip
+"""Attributes of a `Job` that a checkpoint keeps."""
+
+
 class Job:
     """A solver at work for an output folder.
 
@@ -61,9 +69,12 @@ class Job:
         self._ending: Ended | None = None  # what has ended the steps before their time
         self.parameters = json.loads(json.dumps(parameters, default=str))
         self.data: SceneData = solver.data
+        solver.watch.say = lambda text: progress.message(f"warning: {text}")
         self.step_wall, self.wall = 0.0, 0.0
         self.next_snapshot, self.next_row = 0, 0.0
-        self.interval = until / self.data.snapshots
+        self.interval, self.row_interval = until / self.data.snapshots, until / HISTORY_ROWS
+        self.ends, self.due = [until], 0  # ends so far, and how many intervals until the next output
+        self.remarks: list[str] = []  # what was to be said when the run was gone on with
         self.warnings: list[str] = []
         self.peaks = {name: -math.inf for name, measure in self.data.measures.items() if measure.peak}
         self._started = time.perf_counter()
@@ -81,19 +92,27 @@ class Job:
         self._row()
         self._output()
 
-    def go_on(self, arrays: dict, info: dict) -> None:
-        """Start from a checkpoint."""
+    def go_on(self, found: checkpoint.Found) -> None:
+        """Start from a checkpoint: files are as they were then, and the next batch of steps is the one that was due."""
+        info = found.info
         self.balance = Balance(self.data, self.solver.ledger())
-        self.solver.restore(arrays, info["solver"])
-        self.solver.relist()
+        self.solver.restore(found.arrays, info["solver"])
         self.balance.restore(info["balance"])
-        self.history = History.reopen(self.out / "history.csv", info["time"])
-        self.neighbours, self.peaks = info["neighbours"], info["peaks"]
-        self.interval, self.next_snapshot = info["interval"], info["next_snapshot"]
-        self.next_row = info["next_row"]
-        self.step_wall, self.wall = info["step_wall"], info["wall"]
+        self.history = History.reopen(self.out / "history.csv", info["row_time"])
+        checkpoint.go_on_from(found.path)
+        for name in KEPT:
+            setattr(self, name, info["job"][name])
+        self.ends = sorted({*self.ends, self.until})
+        self._row_time = info["row_time"]
+        said = found.remarks + origin.differences(info, origin.header(self.solver, self.out))
+        if self.history.last != info["row_time"]:
+            said.append(remarks.history_lost(self.history.path, self.history.last, info["row_time"]))
+        self.remarks = self.remarks + said
+        self.warnings += self.remarks
+        for line in said:
+            self.progress.message(line)
         self._output_time = info["time"]
-        snapshot.drop(self.out, self.next_snapshot)  # not the last one of a run that was ended in between
+        snapshot.drop(self.out, self.next_snapshot)  # of what is done again
 
     def finish(self) -> dict[str, Any]:
         """Run to the end, whatever ends it, and write the summary.
@@ -106,22 +125,39 @@ class Job:
         try:
             with exhaustion.told(), self._writer:
                 self._steps()
+            now = self.solver.reading
+            if now.time >= self.until:
+                self.history.close()
+                self._rooms.clear()  # there are no more outputs, and drawing takes as much
+                return self._summary("done")
         except RunError as error:
-            with contextlib.suppress(RunError), exhaustion.told():  # a full disk takes no last words
-                self._last_words(str(error), "failed", going_on=False)
-            written = snapshot.find(self.out)
-            raise RunError(f"{error}; last snapshot: {written[-1] if written else 'none'}") from error
+            raise self._stopped(error) from error
         finally:
             self.progress.stop()
-        now = self.solver.reading
-        if self._ending is not None and now.time < self.until:
-            ended = stops.paused(self._ending, self.out, now.time, self.until, now.steps - self._mark[1])
-            self._last_words(str(ended), str(self._ending), going_on=True)
-            raise ended
-        self._rooms.clear()  # there are no more outputs, and drawing takes as much
-        return self._summary("done")
+        ended = stops.paused(self._ending, self.out, now.time, self.until, now.steps - self._mark[1])
+        self._last_words(str(ended), str(self._ending), going_on=True)
+        raise ended
 
-    def _ends(self) -> bool:
+    def _stopped(self, error: RunError) -> RunError:
+        """Leave last words, as far as the disk takes them; gives the error with what is there of the run."""
+        lost = None
+        try:
+            with exhaustion.told():
+                self._last_words(str(error), "failed", whole=not isinstance(error, DiskError))
+        except Exception as another:  # whatever it is must not hide why the run stopped
+            lost = another
+        with contextlib.suppress(DiskError):
+            self.history.close()
+        try:
+            last = (snapshot.find(self.out) or [None])[-1]
+            goes_on = any(self.out.glob("checkpoint*.h5"))
+        except OSError:
+            last, goes_on = None, False
+        if isinstance(error, DiskError):
+            return files.stopped(error, last, self.out, goes_on)
+        return stops.stopped(error, lost, last)
+
+    def _must_end(self) -> bool:
         """Whether to take no more steps: a signal asks for it, or the wall time will soon be up."""
         if self._ending is None:
             self._ending = self._stop.asked or (stops.time_is_up() if self._deadline.is_near() else None)
@@ -130,17 +166,21 @@ class Job:
     def _steps(self) -> None:
         self.solver.prepare()  # compile before the clock runs
         self._mark = (time.perf_counter(), self.solver.reading.steps)
-        while self.solver.reading.time < self.until and not self._ends():
-            target = min(self.next_snapshot * self.interval, self.until)
-            if self.until - target < 1e-6 * self.interval:
-                target = self.until
+        while self.solver.reading.time < self.until and not self._must_end():
             start = self._batch_start = time.perf_counter()
             self._paused = 0.0
+            target = self._target()
             self.solver.advance(target, self._on_batch)
             self.step_wall += time.perf_counter() - start - self._paused
             if self.solver.reading.time >= target:
                 self._row()
                 self._output()
+
+    def _target(self) -> float:
+        """The next output time [s]: a multiple of the interval, or an end of the run, also one that it had before."""
+        ends = [end for end in self.ends if self.solver.reading.time < end]
+        due = min(self.due * self.interval, ends[0])
+        return ends[0] if ends[0] - due < 1e-6 * self.interval else due
 
     def _on_batch(self, now: Reading) -> bool:
         """Write what is due between two batches of steps; tells the solver whether to stop."""
@@ -155,7 +195,7 @@ class Job:
         )
         self._batch_start = time.perf_counter()
         self._paused += self._batch_start - start
-        return self._ends()
+        return self._must_end()
 
     def _row(self) -> None:
         """Write a row of the history, one for each time, and compare the ledger with the first one."""
@@ -170,7 +210,7 @@ class Job:
         own = dict(zip((name for name, _ in OWN_COLUMNS), values, strict=True))
         self.history.write(list((own | self._measures()).values()))
         while self.next_row <= now.time:
-            self.next_row += self.until / HISTORY_ROWS
+            self.next_row += self.row_interval
 
     def _measures(self) -> dict[str, float]:
         if not self.data.measures:
@@ -182,16 +222,17 @@ class Job:
         return found
 
     def _output(self) -> None:
-        """Hand a snapshot and a checkpoint to the writer's thread; rebuild the rows, as a restart from here does."""
+        """Hand a snapshot and a checkpoint to the writer's thread."""
         number, self.next_snapshot = self.next_snapshot, self.next_snapshot + 1
+        if self.solver.reading.time > (self.due - 1e-6) * self.interval:
+            self.due += 1
         self._output_time = self.solver.reading.time
         self._writer.submit(lambda: self._take(number))
-        self.solver.relist()
 
     def _take(self, number: int, going_on: bool = True) -> Callable[[], None]:
         """Copy the state to the host; gives what writes it: a snapshot, then the checkpoint that counts on it."""
         start = time.perf_counter()
-        room = self._rooms.pop() if self._rooms else self.solver.particles.room()
+        room = self._rooms.pop() if self._rooms else self.solver.room()
         arrays, solver = self.solver.save(room)
         state, info = self.solver.state(arrays), self._info(solver)
         path = self.out / "snapshots" / f"{self.data.name}_{number:04d}.vtkhdf"
@@ -200,9 +241,11 @@ class Job:
         def write() -> None:
             start = time.perf_counter()
             snapshot.write(path, state)
+            self._times[path.name] = state.time  # a failing disk need not read it back
             snapshot.series(path.parent, self._times)
+            self.history.sync()
             if going_on:
-                checkpoint.save(self.out / "checkpoint.h5", arrays, info)
+                checkpoint.save_newest(self.out, arrays, info)
             self._rooms.append(room)
             self._deadline.output(copied + time.perf_counter() - start)
 
@@ -210,20 +253,24 @@ class Job:
 
     def _info(self, solver: dict) -> dict[str, Any]:
         """Everything a restart needs besides the arrays; nothing in it changes later."""
-        return {
-            "solver": solver, "balance": self.balance.save(), "parameters": self.parameters,
-            "time": self.solver.reading.time, "until": self.until, "interval": self.interval,
-            "next_snapshot": self.next_snapshot, "next_row": self.next_row, "neighbours": self.neighbours,
-            "peaks": dict(self.peaks), "step_wall": self.step_wall, "wall": self._elapsed(), "device": self.solver.launcher.device.alias,
+        own = copy.deepcopy({name: getattr(self, name) for name in KEPT}) | {"wall": self._elapsed()}
+        now = self.solver.reading
+        return origin.header(self.solver, self.out) | {
+            "parameters": self.parameters, "time": now.time, "step": now.steps, "until": self.until,
+            "row_time": self._row_time, "solver": solver, "balance": self.balance.save(), "job": own,
             "frames": self.frames,
         }  # fmt: skip
 
-    def _last_words(self, why: str, outcome: str, going_on: bool) -> None:
-        """Leave what is needed to look at a run that stopped early, and to go on with one that was asked to."""
+    def _last_words(self, why: str, outcome: str, whole: bool = True, going_on: bool = False) -> None:
+        """Leave what is needed to look at a run that stopped early, and to go on with one that was asked to.
+
+        Only a ``whole`` one leaves more than the summary: a disk that takes no more has the run's checkpoint already.
+        """
         self.warnings.append(why)
-        self._writer.check()
-        if not going_on or self.solver.reading.time > self._output_time:
-            self._take(self.next_snapshot, going_on)()
+        if whole:
+            self._writer.check()
+            if not going_on or self.solver.reading.time > self._output_time:
+                self._take(self.next_snapshot, going_on)()
         self._summary(outcome)
 
     def _elapsed(self) -> float:
@@ -245,7 +292,7 @@ class Job:
         neighbours = sum(counts) / len(counts)
         per_step = 1e9 * self.step_wall / (n * steps)
         clipped = int(ledger["eos_clipped"])
-        warnings = list(self.warnings)
+        warnings = [*self.warnings, *self.solver.watch.warnings()]
         if clipped:
             warnings.append(f"the equation of state left its range in {clipped} particle-steps")
         return {
@@ -259,7 +306,7 @@ class Job:
             "neighbour_builds": self.solver.neighbours.builds,
             "energy_error": self.balance.energy_error, "momentum_error": self.balance.momentum_error,
             "angular_momentum_error": self.balance.angular_momentum_error,
-            **self.solver.tally(), "measures": self._measures(), "warnings": warnings, "version": __version__,
+            **self.solver.tally(), "guards": self.solver.watch.report(), "measures": self._measures(), "warnings": warnings, "version": __version__,
         }  # fmt: skip
 
 

@@ -10,6 +10,7 @@ from .block import LINE
 from .blocks import Blocks
 from .cells import count_cells
 from .fields import of_groups
+from .kernels.guards import COLUMNS
 from .kernels.ledger import MAXIMA, SUMS
 from .kernels.spec import Spec
 from .memory import Policy
@@ -73,7 +74,9 @@ def estimate(
     found = {"fields": state, "neighbours": neighbours + beside, "work": _work(n, scheme, device)}
     if "lagrangian" in scheme.groups:
         found["reference"] = _reference(data, spec, scheme, policy)
-    outputs = copies * state + (AT_HAND * n if copies else 0)
+    listed = n * (size(spec.point) + 4 * ("lagrangian" in scheme.groups)) if scheme.searching else 0
+    kept = n * size(spec.real) * len(scheme.lasting)
+    outputs = copies * (state + listed + kept) + (AT_HAND * n if copies else 0)
     return Need(n, found, copies, outputs, max(all_rows - neighbours, 0) if scheme.searching else 0)
 
 
@@ -131,7 +134,8 @@ def _reference(data: SceneData, spec: Spec, scheme: Scheme, policy: Policy) -> i
 
 
 def _work(n: int, scheme: Scheme, device: wp.Device) -> int:
-    """Bytes of the arrays of a step, and of the sums that the ledger takes block by block."""
+    """Bytes of the arrays of a step, and of the sums that the ledger and the guards take block by block."""
     with wp.ScopedDevice("cpu"):
         one, two = (sum(array.capacity for array in scheme.arrays(k).values()) for k in (1, 2))
-    return one + (n - 1) * (two - one) + 8 * Blocks(n, device.is_cuda).count * (len(SUMS) + len(MAXIMA))
+    columns = len(SUMS) + len(MAXIMA) + COLUMNS
+    return one + (n - 1) * (two - one) + 8 * Blocks(n, device.is_cuda).count * columns

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import warp as wp
 
+from .copies import to_device, to_host
 from .fields import BY_NAME, CONSTANT, Field, of_groups, whole
 from .kernels.kernel_type import EULERIAN, LAGRANGIAN
 from .kernels.parts import Parts, part_types
@@ -92,29 +93,18 @@ class Particles:
             self._launcher.launch(gather[old.dtype], self.n, order=order, source=old, target=new)
             wp.copy(old, new)
 
-    def room(self) -> dict[str, wp.array]:
-        """Memory of the host for a copy of every field; page-locked where a GPU fills it."""
-        pinned = self._launcher.device.is_cuda
-        return {
-            f.name: wp.empty_like(getattr(self, f.name), device="cpu", pinned=pinned) for f in self.fields
-        }
+    def lasting(self) -> dict[str, wp.array]:
+        """The array of every field by name, in memory order."""
+        return {f.name: getattr(self, f.name) for f in self.fields}
 
-    def arrays(self, room: dict[str, wp.array] | None = None) -> dict[str, np.ndarray]:
-        """Copy every field to the host, in memory order: what a checkpoint holds.
-
-        Args:
-            room: What `room` gave, to be filled (again: memory the system has just handed out is slow to fill).
-        """
-        room = self.room() if room is None else room
-        for name, copy in room.items():
-            wp.copy(copy, getattr(self, name))
-        wp.synchronize_device(self._launcher.device)
-        return {name: copy.numpy() for name, copy in room.items()}
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Copy every field to the host, in memory order."""
+        return to_host(self.lasting())
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Take over the arrays of a checkpoint."""
         for f in self.fields:
-            getattr(self, f.name).assign(arrays[f.name])
+            to_device(getattr(self, f.name), arrays[f.name])
 
     def state(self, time: float, step: int, host: Callable[[str], np.ndarray] | None = None) -> State:
         """Copy the output fields to the host, in id order.

@@ -54,6 +54,23 @@ def _profile(kernel: str, dim: int) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate((-depth[:0:-1], depth)), np.concatenate((beyond[:0:-1], 1.0 - beyond))
 
 
+def cover_at(depth: float, kernel: str, dim: int, h: float, spacing: float) -> float:
+    """Share of a particle's kernel that another body fills at an interpenetration, the inverse of `interpenetration`.
+
+    Args:
+        depth: Interpenetration, in spacings.
+        kernel: Name of the smoothing kernel.
+        dim: Space dimension.
+        h: Smoothing length [m].
+        spacing: Particle spacing [m].
+
+    Returns:
+        Share [1]; infinite where the whole kernel is deeper in than that.
+    """
+    depths, share = _profile(kernel, dim)
+    return float(np.interp((depth - 0.5) * spacing / h, depths, share, right=np.inf))
+
+
 def interpenetration(cover: float, kernel: str, dim: int, h: float, spacing: float) -> float:
     """Depth to which a particle has entered another body.
 

@@ -40,7 +40,7 @@ def plot(folder: Path, output: Path | None = None) -> Path:
 
     Raises:
         InputError: If there is no history, or the file has another format.
-        RunError: If the file cannot be written.
+        DiskError: If the file cannot be written.
     """
     from matplotlib.figure import Figure
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from types import ModuleType
 from typing import TextIO
 
+from .streams import Dropping
 from .units import si
 
 LOG_SHARE = 0.1
@@ -29,10 +30,10 @@ class Progress:
     """Reports a run to a stream, live if the stream is a terminal."""
 
     def __init__(self, stream: TextIO | None = None):
-        """Report to ``stream``, by default stderr."""
+        """Report to ``stream``, by default stderr; what it does not take is dropped."""
         from rich.console import Console
 
-        stream = stream or sys.stderr
+        stream = Dropping(stream or sys.stderr)
         self._console = Console(file=stream)
         self._live = stream.isatty() and not self._console.is_dumb_terminal
         self._bar = None
@@ -145,7 +146,12 @@ def quiet_warp(progress: Progress) -> Iterator[str]:
 
 def _start(wp: ModuleType) -> str:
     """Initialise Warp and give what its native part, which knows no logger, writes to stderr."""
-    with tempfile.TemporaryFile() as said:
+    try:
+        room = tempfile.TemporaryFile()
+    except OSError:  # no disk has room for it: what it writes is shown
+        wp.init()
+        return ""
+    with room as said:
         stderr = os.dup(2)
         os.dup2(said.fileno(), 2)
         try:

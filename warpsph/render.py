@@ -9,7 +9,7 @@ import numpy as np
 from .drawing import movie as films
 from .drawing.look import Look, choose
 from .drawing.painter import Painter
-from .errors import InputError, RunError
+from .errors import InputError
 from .messages import values
 from .state import State
 from .storage import atomic, snapshot
@@ -50,7 +50,8 @@ def render(
 
     Raises:
         InputError: If an argument makes no sense or there are no snapshots.
-        RunError: If this machine cannot draw off screen, or a file cannot be written.
+        RunError: If this machine cannot draw off screen.
+        DiskError: If a file cannot be written.
     """
     if every < 1:
         raise values.outside("every", every, "1, 2, 3, ...")
@@ -61,7 +62,7 @@ def render(
         films.check(movie)
     states = (snapshot.read(path) for path in paths)
     look = choose(states, field=field, view=view, range=range, cut=cut, size=size, cmap=cmap)
-    output = make_folder(Path(folder) / "frames" if output is None else Path(output))
+    output = atomic.make_folder(Path(folder) / "frames" if output is None else Path(output))
     files = [output / f"{field}_{path.stem.rpartition('_')[2]}.png" for path in paths]
     frames = _frames(look, paths, files, on_frame or (lambda: None))
     if movie is None:
@@ -81,7 +82,8 @@ def frame(state: State, path: Path, look: Look) -> None:
         look: Camera and colours, from `warpsph.drawing.look.choose`.
 
     Raises:
-        RunError: If this machine cannot draw off screen, or the file cannot be written.
+        RunError: If this machine cannot draw off screen.
+        DiskError: If the file cannot be written.
     """
     with Painter(look) as painter:
         write_png(path, painter.draw(state))
@@ -91,26 +93,13 @@ def write_png(path: Path, picture: np.ndarray) -> None:
     """Write a picture, shape [height, width, 3], uint8.
 
     Raises:
-        RunError: If it cannot be written.
+        DiskError: If it cannot be written.
     """
     from PIL import Image
 
     memory = io.BytesIO()
     Image.fromarray(picture).save(memory, format="png", compress_level=4)
     atomic.write(path, memory.getbuffer())
-
-
-def make_folder(path: Path) -> Path:
-    """Make a folder for frames.
-
-    Raises:
-        RunError: If that is not possible.
-    """
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise RunError(f"{path} could not be made: {error.strerror or error}") from error
-    return path
 
 
 def _frames(

@@ -3,11 +3,13 @@
 from pathlib import Path
 from typing import Any
 
+from . import footprint
 from . import frames as drawn
 from .errors import InputError
+from .guards import Action
 from .info import read_summary
 from .job import Job
-from .messages import stops
+from .messages import files, stops
 from .progress import Progress
 from .scene import Scene
 from .signals import Stop, listening
@@ -26,6 +28,8 @@ def run(
     precision: str = "float64",
     threads: int | None = None,
     until: float | None = None,
+    energy_limit: float | None = None,
+    on_trouble: Action | None = None,
     force: bool = False,
     parameters: dict[str, Any] | None = None,
     source: str | None = None,
@@ -45,6 +49,8 @@ def run(
         precision: ``float64``, ``float32``, or ``mixed``: float32 with positions in float64.
         threads: CPU threads; all cores by default.
         until: End time [s]; the scene's own by default.
+        energy_limit: Limit of the energy error, in place of the scene's guards'.
+        on_trouble: What all guards do, in place of what the scene says.
         force: Clear an earlier run's files from ``out``.
         parameters: Scene parameters, for the summary and for `resume`.
         source: Text of the scene file, for `resume`.
@@ -53,8 +59,9 @@ def run(
         walltime: Wall time until which the run has to be over, counted from now [s]; no limit by default.
 
     Raises:
-        InputError: Bad input, or the folder is in use; nothing has been written.
+        InputError: Bad input; nothing has been written.
         RunError: The run had to stop; a last snapshot has been written.
+        DiskError: Output could not be written; what was written before is whole.
         Ended: By SIGINT, SIGTERM, or because the wall time is up; `resume` goes on.
     """
     out, deadline, progress = Path(out), Deadline(walltime), progress or Progress()
@@ -70,6 +77,9 @@ def run(
                 copies=PENDING,
                 say=progress.message,
             )
+            solver.watch.change(energy_limit, on_trouble)
+            if warning := footprint.check(out, solver, data.snapshots + 1):
+                progress.message(warning)
             folder.prepare(out, force)
             if source is not None:
                 atomic.write(out / "scene.py", source.encode())
@@ -85,21 +95,28 @@ def resume(
     out: Path,
     *,
     until: float | None = None,
+    energy_limit: float | None = None,
+    on_trouble: Action | None = None,
     threads: int | None = None,
     device: str | None = None,
+    precision: str | None = None,
     frames: bool | None = None,
     progress: Progress | None = None,
     walltime: float | None = None,
 ) -> dict[str, Any]:
-    """Go on with the run in a folder from its checkpoint, bit for bit as if it had not stopped there.
+    """Go on with the run in a folder from its newest whole checkpoint, bit for bit as if it had not stopped there.
 
     A run that is done is left as it is; if it was ended while frames were drawn, they are. Signals are taken as by `run`.
+    On another device or in another precision it goes on too, and says that it is no longer bit for bit.
 
     Args:
         out: Folder of the run.
         until: New end time [s]; the run's own by default.
+        energy_limit: Another limit of the energy error from now on.
+        on_trouble: What all guards do from now on, in place of what they did.
         threads: CPU threads; all cores by default.
         device: Another device than the run's.
+        precision: Another precision than the run's.
         frames: Draw a frame of every snapshot at the end; as the run was told by default.
         progress: Where progress goes.
         walltime: Wall time until which the run has to be over, counted from now [s]; no limit by default.
@@ -107,6 +124,7 @@ def resume(
     Raises:
         InputError: The folder holds no run that can go on or is in use, or the run is past ``until``.
         RunError: The run had to stop; a last snapshot has been written.
+        DiskError: Output could not be written; what was written before is whole.
         Ended: By SIGINT, SIGTERM, or because the wall time is up; `resume` goes on.
     """
     from .library import load
@@ -115,7 +133,11 @@ def resume(
     folder.check_run(out)
     with listening() as stop, lock.held(out, progress.message):
         folder.tidy(out)
-        arrays, info = checkpoint.load(out / "checkpoint.h5")
+        source = out / "scene.py"
+        found = checkpoint.load_newest(out)
+        info = found.info
+        if checkpoint.digest(source) != info["scene_sha256"]:
+            raise files.scene_changed(source)
         end = info["until"] if until is None else until
         if info["time"] > end:
             raise InputError(
@@ -126,14 +148,15 @@ def resume(
         if summary is not None:
             progress.message(stops.already_done(out, end))
             return _with_frames(out, summary, frames and drawn.are_missing(out), stop, deadline)
-        data = load(out / "scene.py").build(**info["parameters"]).finalize()
+        data = load(source).build(**info["parameters"]).finalize()
         solver = Solver(
-            data, device=device or info["device"], precision=info["solver"]["precision"], threads=threads,
+            data, device=device or info["device"], precision=precision or info["precision"], threads=threads,
             copies=PENDING, say=progress.message,
         )  # fmt: skip
         job = Job(solver, out, end, info["parameters"], progress, stop, deadline, frames)
         with stop.patience():
-            job.go_on(arrays, info)
+            job.go_on(found)
+            solver.watch.change(energy_limit, on_trouble)
             summary = job.finish()
         return _with_frames(out, summary, frames, stop, deadline)
 

@@ -10,6 +10,7 @@ import numpy as np
 from . import checks, lattices, materials
 from .body import Body, Velocity, given_points, initial_velocity, particle_volume
 from .config import Numerics
+from .guards import Guards
 from .lattices import Lattice
 from .materials import Material
 from .messages import bodies, values
@@ -67,6 +68,7 @@ class SceneData:
         materials: Materials, each once.
         planes: Symmetry planes as (axis 0, 1 or 2, position [m]); all particles lie on one side of each.
         measures: Measures by name.
+        guards: What the run watches for.
     """
 
     name: str
@@ -89,6 +91,7 @@ class SceneData:
     materials: list[Material]
     planes: tuple[tuple[int, float], ...]
     measures: dict[str, Measure]
+    guards: Guards
 
     def __repr__(self) -> str:
         return f"SceneData({self.name!r}, {self.dim}D, {len(self.x)} particles, bodies: {', '.join(self.bodies)})"
@@ -110,6 +113,7 @@ class Scene:
         numerics: Numerical settings.
         until: End time [s].
         snapshots: Number of snapshots after the first.
+        guards: What the run watches for.
         bodies: Bodies by name.
         planes: Symmetry planes as (axis, position [m]).
         measures: Measures by name.
@@ -124,6 +128,7 @@ class Scene:
         until: float,
         numerics: Numerics | None = None,
         snapshots: int = 20,
+        guards: Guards | None = None,
     ):
         """Start an empty scene.
 
@@ -138,10 +143,13 @@ class Scene:
             raise checks.refuse("snapshots", snapshots, "a whole number, at least 1")
         if not isinstance(numerics, Numerics | None):
             raise checks.refuse("numerics", numerics, "warpsph.config.Numerics(...)")
+        if not isinstance(guards, Guards | None):
+            raise values.refuse("guards", guards, "warpsph.Guards(...)")
         self.name, self.dim, self.snapshots = name, int(dim), int(snapshots)
         self.spacing = checks.positive("spacing", spacing)
         self.until = checks.positive("until", until)
         self.numerics = numerics or Numerics()
+        self.guards = guards or Guards()
         self.bodies: dict[str, Body] = {}
         self.planes: list[tuple[int, float]] = []
         self.measures: dict[str, Measure] = {}
@@ -321,7 +329,7 @@ class Scene:
 
         Raises:
             InputError: If there are no bodies, bodies overlap, particles coincide, two materials share a name, or
-                particles lie beyond a symmetry plane or on it.
+                particles lie beyond a symmetry plane or on it, or outside of the domain.
         """
         if not self.bodies:
             raise bodies.none(self.name)
@@ -342,10 +350,12 @@ class Scene:
             fixed=np.concatenate([b.fixed for b in parts]),
             eulerian=np.concatenate([b.eulerian for b in parts]),
             bodies=list(self.bodies), materials=used, planes=tuple(self.planes), measures=dict(self.measures),
+            guards=self.guards,
         )  # fmt: skip
         _check_distances(data)
         for axis, position in data.planes:
             _check_plane(data, axis, position)
+        _check_domain(data)
         return data
 
     def _particles(
@@ -462,3 +472,17 @@ def _check_plane(data: SceneData, axis: int, position: float) -> None:
     if side * distance[nearest] < 0.5 * OVERLAP * data.spacing * _SLACK:
         name = data.bodies[data.body[nearest]]
         raise bodies.beyond_plane(name, data.x[nearest, : data.dim], "xyz"[axis], position)
+
+
+def _check_domain(data: SceneData) -> None:
+    """Refuse particles that start outside of the domain."""
+    if data.guards.domain is None:
+        return
+    low, high = data.guards.domain
+    if len(low) != data.dim:
+        raise values.refuse("domain of Guards", data.guards.domain, f"corners of {data.dim} components")
+    x = data.x[:, : data.dim]
+    outside = np.flatnonzero(np.any((x < low) | (x > high), axis=1))
+    if len(outside):
+        first = outside[0]
+        raise bodies.outside_domain(data.bodies[data.body[first]], x[first], low, high, len(outside))

@@ -12,21 +12,13 @@ from .blocks import CUDA_STEP_BLOCKS, Blocks
 from .clock import Clock, Reading
 from .compilation import compile_modules, kernels_of
 from .contact import contact_constants
-from .errors import InputError, RunError
-from .kernels.deformation import SMALLEST_J
-from .kernels.kernel_type import ERODED, EULERIAN, LAGRANGIAN
+from .copies import make_room, to_device, to_host
+from .errors import InputError
+from .kernels.kernel_type import ERODED, EULERIAN
 from .kernels.ledger import MAXIMA, SUMS
 from .kernels.sort import make_sort
 from .kernels.spec import Spec
-from .kernels.timestep import (
-    ACCELERATION_CFL,
-    COLLAPSED,
-    INSIDE_OUT,
-    NON_FINITE,
-    RUNNING,
-    STALE,
-    VISCOUS_SHARE,
-)
+from .kernels.timestep import COLLAPSED, INSIDE_OUT, NON_FINITE, RUNNING, STALE
 from .launch import Command, Launcher
 from .materials import pack
 from .memory import Policy, policy_of
@@ -39,9 +31,14 @@ from .reference import Reference
 from .scene import SceneData
 from .schemes.factory import make_scheme
 from .state import State
+from .trouble import explain
+from .watch import Watch
 
 MAX_BATCH = 32
 """Steps between two readings of the device's clock, at most: the documented synchronisation interval."""
+
+BATCH_PARTICLES = {False: 4_000_000, True: 400_000_000}
+"""Particle-steps between two readings at most, on a CPU and on CUDA: a few seconds, for a run that is told to stop."""
 
 PRECISIONS = {
     "float32": (wp.float32, wp.float32),
@@ -61,6 +58,7 @@ class Solver:
         particles: The state.
         neighbours: The neighbour rows.
         program: The launches of a step.
+        watch: The guards.
         reading: The clock at the last reading.
     """
 
@@ -119,8 +117,13 @@ class Solver:
         self._constants = SimpleNamespace(h=h, spacing=data.spacing, cfl=data.numerics.cfl)
         self._work = self._allocate_work()
         self.program = Program(self.launcher)
+        self.watch = Watch(
+            data, self.particles, groups=self._scheme.groups, reach=self.neighbours.radius,
+            bind=self._bind, blocks=self._blocks.count,
+        )  # fmt: skip
         self._planning: list[Command] = []
         self._bound = -1
+        self._batch = 1  # steps until the next reading of the clock
         self._initialise()
         self.reading = self._clock.read()
 
@@ -170,7 +173,9 @@ class Solver:
 
     def _kernels(self) -> set[wp.Kernel]:
         """The kernels of this run, launched or of one module with those that are."""
-        found = kernels_of(self, self._scheme, self.neighbours.cells) | set(make_sort(self._spec).values())
+        found = kernels_of(self, self._scheme, self.neighbours.cells, self.watch) | set(
+            make_sort(self._spec).values()
+        )
         if self.reference is not None:
             found |= kernels_of(self.reference)
         search = kernels_of(self.neighbours, self.neighbours.tiles)
@@ -184,8 +189,9 @@ class Solver:
         self._clock.dt.fill_(0.0)
 
     def relist(self) -> None:
-        """Rebuild the neighbour rows now, so that a run goes on from here exactly as a restart from here does."""
-        self.neighbours.build()
+        """Rebuild the neighbour rows now."""
+        if self.neighbours.build():
+            self._run_still(self._scheme.derive(self._bind))  # particles have moved in memory
 
     def prepare(self) -> None:
         """Compile and load every kernel of a step, without taking one."""
@@ -200,7 +206,7 @@ class Solver:
         if self.reference is not None:
             return self.reference.mean_count
         mean = self.neighbours.mean_count()
-        self.neighbours.build()
+        self.relist()
         return mean
 
     def advance(self, t_stop: float, on_batch: Callable[[Reading], bool] | None = None) -> None:
@@ -209,25 +215,27 @@ class Solver:
         ``on_batch`` sees the clock after every batch of steps; True stops there.
 
         Raises:
-            RunError: A particle's state is not finite, or the time step collapsed; names the particle.
+            RunError: A particle's state is not finite, the time step collapsed, or a guard ends the run; names the
+                particle.
         """
         self._clock.stop_at(t_stop)
+        self.watch.begin()
         now = self._plan()
-        batch = 1
         while now.status in (RUNNING, STALE):
             if now.status == STALE:
-                self.neighbours.build()
+                self.relist()
                 now = self._plan()
                 continue
             before = now
-            self._run_steps(batch)
+            self._run_steps(min(self._batch, self.watch.allowed(before.steps)))
             now = self.reading = self._clock.read()
+            self._batch = self._predict(before, now)
+            self.watch.look(before, now)
             if on_batch is not None and on_batch(now):
                 break
-            batch = self._predict(before, now)
         self.reading = now
         if now.status in (COLLAPSED, NON_FINITE, INSIDE_OUT):
-            raise RunError(self._trouble(now))
+            raise explain(now, self.particles, self.data, self._scheme)
 
     def _bind_step(self) -> None:
         """Bind the launches of a step again if neighbour rows have moved in memory."""
@@ -254,7 +262,8 @@ class Solver:
         if now.status != RUNNING or steps < 1 or worn <= 0.0:
             return 1
         left = (1.0 - now.wear) * steps / worn
-        return int(min(max(left, 1.0), MAX_BATCH))
+        most = BATCH_PARTICLES[self.launcher.device.is_cuda] // self.particles.n
+        return int(max(min(left, MAX_BATCH, most), 1.0))
 
     def ledger(self) -> dict[str, float]:
         """Conserved quantities and extremes of all particles (see `kernels.ledger` for names and units)."""
@@ -288,7 +297,7 @@ class Solver:
         """Everything that holds device arrays as attributes, by name (see `warpsph.memory.usage`)."""
         found = {"particles": self.particles, "work": self._work, "clock": self._clock}
         found |= {"neighbours": self.neighbours, "tiles": self.neighbours.tiles}
-        found |= {"cells": self.neighbours.cells, "search": self.neighbours.search}
+        found |= {"cells": self.neighbours.cells, "search": self.neighbours.search, "watch": self.watch}
         if self.reference is not None:
             found["reference"] = self.reference
         return found
@@ -313,72 +322,55 @@ class Solver:
 
         return self.particles.state(self.reading.time, self.reading.steps, host)
 
+    def lasting(self) -> dict[str, wp.array]:
+        """The arrays that a step leaves to the next one; all others are found again from them."""
+        work = {name: getattr(self._work, name) for name in self._scheme.lasting}
+        clock = {"clock": self._clock.clock, "count": self._clock.count}
+        return self.particles.lasting() | self.neighbours.lasting() | work | clock
+
+    def room(self) -> dict[str, wp.array]:
+        """Memory of the host for what `save` copies, to be filled again and again."""
+        return make_room(self.lasting())
+
     def save(self, room: dict[str, wp.array] | None = None) -> tuple[dict[str, np.ndarray], dict]:
-        """Everything a restart needs: arrays in memory order, in ``room`` if given, and plain values."""
-        arrays = self.particles.arrays(room) | {
-            "clock": self._clock.clock.numpy().copy(), "count": self._clock.count.numpy().copy()
+        """Everything a restart needs, between any two batches: arrays in memory order, in ``room`` if given, and plain values."""
+        return to_host(self.lasting(), room), {
+            "precision": self.precision, "cuda": self.launcher.device.is_cuda, "batch": self._batch,
+            "builds": self.neighbours.builds, "tile_width": self.neighbours.tiles.width,
+            "watch": self.watch.save(),
         }  # fmt: skip
-        return arrays, {"builds": self.neighbours.builds, "precision": self.precision}
 
     def restore(self, arrays: dict[str, np.ndarray], info: dict) -> None:
-        """Go on from what `save` gave, bit for bit.
+        """Go on from what `save` gave: bit for bit, but in another precision or on another kind of device.
+
+        There the arrays are converted, and the neighbour rows are those of the present positions.
 
         Raises:
-            InputError: The checkpoint is of another number of particles or precision, or lacks a field.
+            InputError: The checkpoint is of another number of particles, or lacks a field.
         """
-        missing = [f.name for f in self.particles.fields if f.name not in arrays]
+        missing = [name for name in self.lasting() if name not in arrays]
         if missing:
             raise InputError(
                 f"checkpoint lacks {', '.join(missing)}; allowed: one of this version of warpsph (start the run anew)"
             )
-        if len(arrays["id"]) != self.particles.n or info["precision"] != self.precision:
+        if len(arrays["id"]) != self.particles.n:
             raise InputError(
-                f"checkpoint holds {len(arrays['id'])} particles in {info['precision']}; "
-                f"this scene has {self.particles.n} in {self.precision}"
+                f"checkpoint holds {len(arrays['id'])} particles; this scene has {self.particles.n}"
             )
         self.particles.restore(arrays)
         self._clock.clock.assign(arrays["clock"])
         self._clock.count.assign(arrays["count"])
         self.neighbours.builds = info["builds"]
+        if (self.precision, self.launcher.device.is_cuda) == (info["precision"], info["cuda"]):
+            self.neighbours.recall(arrays, info["tile_width"])
+            self._batch = info["batch"]
+        else:
+            self.neighbours.build()
+        self.watch.restore(info["watch"])
         if self.reference is not None:
             self.reference.build()
         self._bound = -1  # arrays may have moved in memory
         self._run_still(self._scheme.derive(self._bind))
+        for name in self._scheme.lasting:
+            to_device(getattr(self._work, name), arrays[name])
         self.reading = self._clock.read()
-
-    def _trouble(self, now: Reading) -> str:
-        """One line that names the particle behind a stop, its material, place and the cause."""
-        p = self.particles.arrays()
-        order = np.arange(len(p["id"]))
-        bad = [~np.isfinite(p[name]).reshape(len(order), -1).all(1) for name in ("x", "v", "rho", "e", "cl")]
-        if now.status == NON_FINITE and np.any(bad):
-            i = int(np.flatnonzero(np.any(bad, axis=0))[0])
-            which = [
-                name
-                for name, mask in zip(
-                    ("position", "velocity", "density", "energy", "sound speed"), bad, strict=True
-                )
-                if mask[i]
-            ]
-            cause = f"{', '.join(which)} not finite"
-        elif now.status == INSIDE_OUT:
-            i = int(np.argmax((p["inverted"] > 0) & (p["kernel_type"] == LAGRANGIAN)))
-            cause = f"turned over, det F below {SMALLEST_J:g}: too distorted for a Total Lagrangian particle"
-        else:
-            speed = p["cl"] + VISCOUS_SHARE * p.get("av_switch", 1.0) * (
-                self._scheme.viscosity_alpha * p["cs"] + self._scheme.viscosity_beta * p["mu"]
-            )
-            accel = np.linalg.norm(p["dvdt"], axis=1)
-            limit = np.minimum(
-                self._constants.cfl * self.data.h / speed,
-                ACCELERATION_CFL * np.sqrt(self.data.h / np.maximum(accel, 1e-300)),
-            )
-            i = int(np.argmin(limit))
-            cause = f"time step collapsed to {limit[i]:.3g} s (wave speed {p['cl'][i]:.3g} m/s, acceleration {accel[i]:.3g} m/s^2)"
-        body = self.data.bodies[p["body"][i]]
-        material = self.data.materials[p["mat"][i]].name
-        where = ", ".join(f"{c:.6g}" for c in p["x"][i])
-        return (
-            f"stopped at t = {now.time:.6g} s, step {now.steps}: particle {p['id'][i]} of body {body!r} "
-            f"(material {material!r}) at ({where}) m: {cause}"
-        )

@@ -64,6 +64,16 @@ def coincide(name: str, pairs: int, point: np.ndarray, spacings: float) -> Input
     )
 
 
+def outside_domain(
+    name: str, point: np.ndarray, low: tuple[float, ...], high: tuple[float, ...], count: int
+) -> InputError:
+    """A particle at ``point`` [m] starts outside of the domain between two corners [m], as ``count`` do."""
+    return InputError(
+        f"body {name!r} has a particle at {place(point)}, outside of the domain {low} to {high} m, and {count} particles "
+        "start there; allowed: none"
+    )
+
+
 def beyond_plane(name: str, point: np.ndarray, axis: str, position: float) -> InputError:
     """A particle at ``point`` [m] lies beyond a symmetry plane, or on it."""
     return InputError(

@@ -1,13 +1,115 @@
 """Files and folders that cannot be read or written: which one, why, what to do."""
 
+import errno
+import os
 from pathlib import Path
 
-from warpsph.errors import InputError
+from warpsph.errors import DiskError, InputError
+
+from .machine import size
+
+REMEDIES = {
+    errno.ENOSPC: "free some space",
+    errno.EDQUOT: "make room within the quota",
+    errno.EFBIG: "allow larger files (ulimit -f)",
+    errno.EROFS: "make the file system writable",
+    errno.EACCES: "allow writing there",
+    errno.EPERM: "allow writing there",
+    errno.ENOENT: "bring its folder back",
+    errno.ENOTDIR: "bring its folder back",
+    errno.EISDIR: "move the folder of that name away",
+    errno.EIO: "see to the disk",
+    errno.ESTALE: "mount the file system again",
+}
+"""What a user can do about a failure of the file system."""
 
 
-def no_folder(folder: Path, cause: str) -> InputError:
+FOREIGN = (PermissionError, FileExistsError, FileNotFoundError, NotADirectoryError, IsADirectoryError)
+"""Failures that another folder on the command line would put right."""
+
+
+def no_folder(folder: Path, error: OSError) -> InputError | DiskError:
     """An output folder cannot be made or written."""
-    return InputError(f"output folder {folder} cannot be written: {cause}")
+    if not isinstance(error, FOREIGN):
+        return unwritten(folder, error)
+    return InputError(f"output folder {folder} cannot be written: {error.strerror or error}")
+
+
+def unwritten(path: Path | str, error: OSError) -> DiskError:
+    """Output could not be written: names the file, the cause in the system's words, and what to do about it."""
+    remedy = REMEDIES.get(error.errno)
+    return DiskError(
+        f"{path} could not be written: {error.strerror or error}{_left(Path(path), error)}"
+        + (f"; {remedy}" if remedy else "")
+    )
+
+
+def stopped(error: DiskError, last: Path | None, out: Path, goes_on: bool) -> DiskError:
+    """A run stopped since output could not be written: what is there, and whether there is a checkpoint to go on from."""
+    then = f"`warpsph resume {out}` goes on" if goes_on else "start the run anew with --force"
+    return DiskError(f"{error}; last snapshot: {last or 'none'}; then {then}")
+
+
+def no_frames(error: DiskError, out: Path) -> DiskError:
+    """A run came to its end, but not its pictures."""
+    return DiskError(f"{error}; the run itself is complete; then `warpsph render {out}` draws the frames")
+
+
+def too_small(out: Path, need: float, free: float) -> InputError:
+    """Not even the first output fits on the disk."""
+    return InputError(
+        f"output folder {out} has no room: the first output takes about {size(need)}, {size(free)} are free; "
+        "allowed: a disk with more, or fewer particles"
+    )
+
+
+def tight(out: Path, need: float, free: float) -> str:
+    """The disk will be full before the run ends: a warning."""
+    return (
+        f"warning: the whole run takes about {size(need)} on the disk, {size(free)} are free in {out}; "
+        "it stops where the disk is full, and can be resumed with more"
+    )
+
+
+def full_cache(cache: Path, need: float, free: float) -> DiskError:
+    """Kernels have to be compiled, and there is no room for them."""
+    return DiskError(
+        f"kernel cache {cache} has no room: kernels to compile take up to {size(need)}, {size(free)} are free; "
+        "free some space, or name another folder with WARP_CACHE_PATH"
+    )
+
+
+def _left(path: Path, error: OSError) -> str:
+    """What is left on a full disk, in brackets: a disk with room for bytes may have none for files."""
+    if error.errno != errno.ENOSPC:
+        return ""
+    try:
+        disk = os.statvfs(path.parent)
+    except OSError:
+        return ""
+    files = ", none for another file" if disk.f_files and not disk.f_favail else ""
+    return f" ({size(disk.f_bavail * disk.f_frsize)} free{files})"
+
+
+def no_checkpoint(folder: Path, name: str) -> InputError:
+    """A folder holds nothing that a run could go on from."""
+    return InputError(
+        f"{folder} cannot be resumed: {name} is missing; it is no run, or one that ended before its first output: "
+        f"start it with `warpsph run SCENE --out {folder} --force`"
+    )
+
+
+def no_whole_checkpoint(causes: list[str]) -> InputError:
+    """Every checkpoint that there is cannot be read; ``causes`` names each."""
+    return InputError(f"{'; '.join(causes)}; there is no other to go on from: start the run anew")
+
+
+def scene_changed(path: Path) -> InputError:
+    """The scene is not the one that a checkpoint is of."""
+    return InputError(
+        f"{path} was changed since the checkpoint; put the old text back, or start a new run of it: "
+        f"warpsph run {path} --out FOLDER"
+    )
 
 
 def in_use(folder: Path, holder: dict, file: Path | None = None) -> InputError:
@@ -20,14 +122,6 @@ def in_use(folder: Path, holder: dict, file: Path | None = None) -> InputError:
 def stale_lock(folder: Path, holder: dict) -> str:
     """A lock was left behind, and is taken over."""
     return f"{folder}: {who(holder)}, ended without a word; its lock is taken over"
-
-
-def no_checkpoint(folder: Path, name: str) -> InputError:
-    """A folder cannot be gone on with."""
-    return InputError(
-        f"{folder} holds no {name}: it is no run, or one that ended before its first output; "
-        f"start it with `warpsph run SCENE --out {folder} --force`"
-    )
 
 
 def who(holder: dict) -> str:

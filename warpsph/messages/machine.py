@@ -82,6 +82,11 @@ def no_package(what: str, package: str, extra: str) -> InputError:
     return InputError(f'{what} needs the package {package}; install it with: pip install "warpsph[{extra}]"')
 
 
+def no_film(reason: str) -> RunError:
+    """The encoder of films failed, and not for lack of room."""
+    return RunError(f"no film could be made: {reason}")
+
+
 def no_drawing() -> RunError:
     """There is no OpenGL."""
     return RunError(

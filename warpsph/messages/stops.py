@@ -1,16 +1,89 @@
-"""Runs that cannot go on, and runs that were ended: the particle, the cause, what goes on from there."""
+"""Runs that cannot go on, and runs that were ended: the particle, the cause, what goes on from there.
+
+A particle comes as a `warpsph.trouble.Culprit`, which says when and where it was.
+"""
 
 import signal
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from warpsph.errors import Ended
+from warpsph.errors import Ended, RunError
 from warpsph.units import si
+
+if TYPE_CHECKING:
+    from warpsph.trouble import Culprit
 
 TIME_IS_UP = 5
 """Exit code of a run whose wall time was up; what a signal ends has 128 and its number."""
 
 WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 """What a signal is called."""
+
+GO_ON = "`warpsph resume DIR --on-trouble warn` goes on from the last checkpoint in spite of it"
+
+
+def not_finite(culprit: "Culprit", fields: Sequence[str], density: float = 1.0) -> RunError:
+    """A particle's state is not finite."""
+    what = f"{', '.join(fields)} not finite"
+    if density <= 0.0:
+        what += f", density {density:.6g} kg/m^3 not positive"
+    return _stopped(culprit, what, "a smaller cfl may help; look at the snapshot before")
+
+
+def collapsed(culprit: "Culprit", dt: float, speed: float, acceleration: float) -> RunError:
+    """The time step [s] collapsed, by a wave speed [m/s] or an acceleration [m/s²]."""
+    what = f"time step collapsed to {dt:.3g} s (wave speed {speed:.3g} m/s, acceleration {acceleration:.3g} m/s^2)"
+    return _stopped(culprit, what, "a smaller cfl, a stiffer contact or wider gaps between bodies may help")
+
+
+def turned_over(culprit: "Culprit", smallest: float) -> RunError:
+    """A Total Lagrangian particle's det F has come below the smallest that is allowed."""
+    what = f"turned over, det F below {smallest:g}: too distorted for a Total Lagrangian particle"
+    return _stopped(
+        culprit, what, "a scheme adaptle... with inverted='convert' goes on with Eulerian particles"
+    )
+
+
+def guarded(culprit: "Culprit", guard: str, value: float, limit: float, particles: int) -> RunError:
+    """A guard that ends the run has found something."""
+    return _stopped(culprit, trouble(guard, value, limit, particles), GO_ON)
+
+
+def warned(culprit: "Culprit", guard: str, value: float, limit: float, particles: int) -> str:
+    """What is said when a guard that warns finds something for the first time."""
+    what = trouble(guard, value, limit, particles)
+    return f"{guard} at t = {culprit.time:.6g} s, step {culprit.step}: {culprit}: {what}; the run goes on"
+
+
+def counted(guard: str, entry: dict) -> str:
+    """What a guard that warns has found in a whole run, from its entry in summary.json."""
+    first = entry["first"]
+    what = trouble(guard, first["value"], entry["limit"], entry["particles"])
+    who = f"particle {first['particle']} of body {first['body']!r}"
+    return f"{guard} at {entry['looks']} looks, first at t = {first['time']:.6g} s: {who} {what}"
+
+
+def trouble(guard: str, value: float, limit: float, particles: int) -> str:
+    """What a guard has found: the value of the worst particle against the limit, and how many particles there are."""
+    text = {
+        "density": f"density {value:.6g} kg/m^3 is not positive",
+        "energy_error": f"has the most energy, and the energy error {value:.3g} is above its limit {limit:g}",
+        "interpenetration": f"is {value:.3g} spacings deep in another body, limit {limit:g}",
+        "domain": f"has left the domain by {value:.3g} m",
+        "neighbours": f"has {value:.0f} neighbours within reach, limit {limit:.0f}",
+    }[guard]
+    return text if guard == "energy_error" else f"{text} ({particles} particle{'s' * (particles != 1)})"
+
+
+def _stopped(culprit: "Culprit", what: str, advice: str) -> RunError:
+    return RunError(f"stopped at t = {culprit.time:.6g} s, step {culprit.step}: {culprit}: {what}; {advice}")
+
+
+def stopped(cause: RunError, lost: Exception | None, last: Path | None) -> RunError:
+    """A run stopped: why, what of it could not be written besides, and the last snapshot to look at."""
+    besides = f"; besides, {lost}" if lost is not None else ""
+    return RunError(f"{cause}{besides}; last snapshot: {last or 'none'}")
 
 
 def asked(number: signal.Signals) -> Ended:

@@ -39,7 +39,7 @@ def profiles(panels: Sequence[Panel], path: Path) -> None:
     """Draw panels, two a row, into a PNG file.
 
     Raises:
-        RunError: If the file cannot be written.
+        DiskError: If the file cannot be written.
     """
     from matplotlib.figure import Figure
 

@@ -101,7 +101,7 @@ def draw_kernel_types(
 
     Raises:
         InputError: If no run has a snapshot at any of the times.
-        RunError: If the file cannot be written.
+        DiskError: If the file cannot be written.
     """
     draw_panels(Panels(_by_time(runs, rows, times), box, width), KernelColours(projectile), path)
 
@@ -129,7 +129,7 @@ def draw_pressures(
 
     Raises:
         InputError: If no run has a snapshot at any of the times.
-        RunError: If the file cannot be written.
+        DiskError: If the file cannot be written.
     """
     panels = Panels(_by_time(runs, rows, times), box, width)
     draw_panels(panels, Colouring("pressure", (-limit, limit), cmap="coolwarm"), path)
@@ -157,7 +157,8 @@ def draw_debris(
         width: Width of a panel [pixels].
 
     Raises:
-        RunError: If the file cannot be written, or this machine cannot draw in 3D.
+        DiskError: If the file cannot be written.
+        RunError: If this machine cannot draw in 3D.
     """
     last = {name: snapshot.read(snapshot.find(runs[name])[-1]) for name in columns}
     sights = {"cross-section": Sight(cut=cut), "oblique view": Sight()}

@@ -203,7 +203,8 @@ def draw_panels(panels: Panels, colours: Colours, path: Path) -> None:
     """Draw particles into a PNG file: as discs in 2D, as spheres in 3D.
 
     Raises:
-        RunError: If the file cannot be written, or this machine cannot draw in 3D.
+        DiskError: If the file cannot be written.
+        RunError: If this machine cannot draw in 3D.
     """
     from matplotlib.figure import Figure
 
@@ -242,7 +243,7 @@ def _write(figure: "Figure", path: Path) -> None:
     """Write a figure with a palette.
 
     Raises:
-        RunError: If the file cannot be written.
+        DiskError: If the file cannot be written.
     """
     from PIL import Image
 

@@ -25,7 +25,7 @@ def draw_radii(
         path: The file.
 
     Raises:
-        RunError: If the file cannot be written.
+        DiskError: If the file cannot be written.
     """
     from matplotlib.figure import Figure
 

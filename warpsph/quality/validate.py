@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from warpsph import library
-from warpsph.errors import RunError
+from warpsph.errors import DiskError, RunError
 from warpsph.info import table
 from warpsph.launch import find_device
 from warpsph.messages import values
@@ -41,7 +41,8 @@ def validate(
         One line for each figure out of its expected range.
 
     Raises:
-        InputError: There is no such case, or the folder cannot be written.
+        InputError: There is no such case, or the folder cannot be used.
+        DiskError: A run, a table or a picture cannot be written.
     """
     if case is not None and case not in CASES:
         raise values.unknown("case", case, CASES)
@@ -82,6 +83,8 @@ def _run_case(case: Case, out: Path, device: str, progress: Progress) -> Summari
                 file.build(**row.parameters), folder, device=device, precision=row.precision, force=True,
                 parameters=values, source=file.source, frames=False, progress=progress,
             )  # fmt: skip
+        except DiskError:
+            raise
         except RunError as error:
             found[row.name] = str(error)
     return found

@@ -9,7 +9,13 @@ from warpsph.messages import files
 
 from . import lock
 
-OURS = ("scene.py", "checkpoint.h5", "summary.json", "history.csv", "plot.png", "snapshots", "frames")
+NEWEST, PREVIOUS, DAMAGED = "checkpoint.h5", "checkpoint_previous.h5", "checkpoint_damaged.h5"
+"""The last checkpoint of a run, the one before, and one that was found damaged when the run went on."""
+
+OURS = (
+    *("scene.py", NEWEST, PREVIOUS, DAMAGED),
+    *("summary.json", "history.csv", "plot.png", "snapshots", "frames"),
+)
 """What a run writes, and so what ``force`` clears, in this order: without its scene nobody takes what is left for a run.
 
 The lock is the business of `warpsph.storage.lock`."""
@@ -34,16 +40,18 @@ def check(out: Path, force: bool) -> None:
         )
 
 
-def check_run(out: Path) -> None:
-    """Check that a folder holds a run that can go on.
+def free(out: Path) -> int | None:
+    """Bytes that are free for a run in a folder, which need not be there yet, once an earlier run's files are cleared.
 
-    Raises:
-        InputError: It holds no checkpoint or no scene; a run that has just begun in it is named.
+    None if the file system does not say.
     """
-    for name in ("checkpoint.h5", "scene.py"):
-        if not (out / name).is_file():
-            holder = lock.holder(out)
-            raise files.in_use(out, holder) if holder else files.no_checkpoint(out, name)
+    try:
+        disk = shutil.disk_usage(next(place for place in (out, *out.absolute().parents) if place.exists()))
+        ours = (out / name for name in OURS)
+        earlier = [path for top in ours for path in ([top] if top.is_file() else top.rglob("*"))]
+        return disk.free + sum(path.stat().st_size for path in earlier) if disk.total else None
+    except OSError:
+        return None
 
 
 def prepare(out: Path, force: bool) -> None:
@@ -51,6 +59,7 @@ def prepare(out: Path, force: bool) -> None:
 
     Raises:
         InputError: It cannot be used, see `check`.
+        DiskError: The disk does not take it.
     """
     check(out, force)
     try:
@@ -63,7 +72,7 @@ def prepare(out: Path, force: bool) -> None:
                 (out / name).unlink(missing_ok=True)
         (out / "snapshots").mkdir()
     except OSError as error:
-        raise files.no_folder(out, error.strerror) from error
+        raise files.no_folder(out, error) from error
 
 
 def tidy(out: Path) -> None:
@@ -71,3 +80,21 @@ def tidy(out: Path) -> None:
     for folder in (out, out / "snapshots", out / "frames"):
         for part in folder.glob(".*.part"):
             part.unlink(missing_ok=True)
+
+
+def check_run(out: Path) -> None:
+    """Check that a folder holds a run that can go on.
+
+    Raises:
+        InputError: It holds no checkpoint or no scene; a run that has just begun in it is named.
+    """
+    missing = [] if checkpoints(out) else [NEWEST]
+    missing += [] if (out / "scene.py").is_file() else ["scene.py"]
+    if missing:
+        holder = lock.holder(out)
+        raise files.in_use(out, holder) if holder else files.no_checkpoint(out, missing[0])
+
+
+def checkpoints(out: Path) -> list[Path]:
+    """The checkpoints of a run that there are, the newest first."""
+    return [out / name for name in (NEWEST, PREVIOUS) if (out / name).is_file()]

@@ -15,28 +15,31 @@ if TYPE_CHECKING:
 
 
 @contextlib.contextmanager
-def writing(path: Path, form: str, version: int) -> Iterator["h5py.File"]:
+def writing(path: Path, form: str, version: int, keep: Path | None = None) -> Iterator["h5py.File"]:
     """Open an HDF5 file to write to, which is put in place of ``path`` at the end.
 
     Args:
         path: File to replace.
         form: What the file is, for example ``"warpsph snapshot"``.
         version: Version of that format.
+        keep: Name that the old file takes; None: it goes.
 
     Raises:
-        RunError: If it cannot be written.
+        DiskError: If it cannot be written.
     """
     import h5py
 
-    with atomic.replacing(path) as stream:
+    with atomic.replacing(path, keep) as stream:
         disk = _Disk(stream)
-        with h5py.File(disk, "w") as file:
-            file.attrs.update(
-                {"format": form, "format_version": version, "generator": f"warpsph {__version__}"}
-            )
-            yield file
-        if disk.error is not None:
-            raise disk.error
+        try:
+            with h5py.File(disk, "w") as file:
+                file.attrs.update(
+                    {"format": form, "format_version": version, "generator": f"warpsph {__version__}"}
+                )
+                yield file
+        finally:
+            if disk.error is not None:  # also where HDF5 stumbled over it
+                raise disk.error
 
 
 @contextlib.contextmanager

@@ -1,7 +1,10 @@
 """The history of a run: one row of numbers per output interval, as a table that any program reads."""
 
+import contextlib
 import csv
+import errno
 import io
+import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,7 +12,7 @@ from typing import Self
 
 import numpy as np
 
-from warpsph.errors import InputError, RunError
+from warpsph.errors import InputError
 
 from . import atomic
 
@@ -20,7 +23,10 @@ class History:
     Attributes:
         path: The file.
         columns: Name and unit of each column; the first one is the time.
+        last: Time of the last row that was there when the file was opened [s]; None: there was none.
     """
+
+    last: float | None = None
 
     def __init__(self, path: Path, columns: Sequence[tuple[str, str]]):
         """Start a new table, replacing an older file.
@@ -31,7 +37,7 @@ class History:
 
         Raises:
             InputError: If two columns have one name.
-            RunError: If the file cannot be written.
+            DiskError: If the file cannot be written.
         """
         self.path, self.columns = Path(path), list(columns)
         names = [name for name, _ in self.columns]
@@ -50,35 +56,49 @@ class History:
 
         Raises:
             InputError: If the file is missing or no history.
-            RunError: If the file cannot be written.
+            DiskError: If the file cannot be written.
         """
         history = cls.__new__(cls)
         history.path = Path(path)
         history.columns, rows = _parse(history.path)
-        history._start([row for row in rows if float(row[0]) <= time])
+        rows = [row for row in rows if float(row[0]) <= time]
+        history.last = float(rows[-1][0]) if rows else None
+        history._start(rows)
         return history
 
     def write(self, values: Sequence[float]) -> None:
-        """Append one row.
+        """Append one row, or nothing of it.
 
         Args:
             values: One number per column [unit of the column].
 
         Raises:
             ValueError: If there are too few or too many.
-            RunError: If the disk is full.
+            DiskError: If the disk takes no more, or the file has been removed.
         """
         if len(values) != len(self.columns):
             raise ValueError(f"{len(values)} values for {len(self.columns)} columns")
-        try:
-            self._stream.write(_line([_text(value) for value in values]))
-            self._stream.flush()
-        except OSError as error:
-            raise RunError(f"{self.path} could not be written: {error.strerror or error}") from error
+        with atomic.naming(self.path):
+            self._append(_line([_text(value) for value in values]).encode())
+
+    def sync(self) -> None:
+        """Wait until all rows are on the disk, which may refuse them only then.
+
+        Raises:
+            DiskError: If it does, or the file has been removed.
+        """
+        with atomic.naming(self.path):
+            self._size()
+            os.fsync(self._stream.fileno())
 
     def close(self) -> None:
-        """Close the file."""
-        self._stream.close()
+        """Close the file.
+
+        Raises:
+            DiskError: If the disk refuses rows that it had taken.
+        """
+        with atomic.naming(self.path):
+            self._stream.close()
 
     def __enter__(self) -> Self:
         return self
@@ -90,7 +110,26 @@ class History:
         """Write header and rows and leave the file open at its end."""
         header = [f"{name} [{unit}]" for name, unit in self.columns]
         atomic.write(self.path, "".join(_line(row) for row in [header, *rows]).encode())
-        self._stream = self.path.open("a", encoding="utf-8", newline="")
+        with atomic.naming(self.path):
+            self._stream = open(self.path, "ab", buffering=0)
+
+    def _append(self, line: bytes) -> None:
+        """Write a line to the end of the file; if that fails half-way, take back what is there of it."""
+        before, rest = self._size(), memoryview(line)
+        try:
+            while rest:
+                rest = rest[self._stream.write(rest) :]
+        except OSError:
+            with contextlib.suppress(OSError):
+                self._stream.truncate(before)
+            raise
+
+    def _size(self) -> int:
+        """Bytes in the file, which must still have a name: the system would go on writing where nobody can see it."""
+        there = os.fstat(self._stream.fileno())
+        if there.st_nlink == 0:
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
+        return there.st_size
 
 
 def read(path: Path) -> tuple[list[str], list[str], dict[str, np.ndarray]]:

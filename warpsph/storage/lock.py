@@ -35,6 +35,7 @@ def held(folder: Path, tell: Callable[[str], None]) -> Iterator[None]:
 
     Raises:
         InputError: If another process holds the lock, or the folder cannot be made or written.
+        DiskError: If the disk takes no more.
     """
     path = Path(folder) / NAME
     made: list[Path] = []
@@ -42,7 +43,7 @@ def held(folder: Path, tell: Callable[[str], None]) -> Iterator[None]:
         _make(path.parent, made)
         file = _take(path, tell) if _has_locks(path.parent) else _take_by_name(path, tell)
     except OSError as error:
-        raise files.no_folder(folder, error.strerror or str(error)) from error
+        raise files.no_folder(folder, error) from error
     try:
         yield
     finally:

@@ -32,7 +32,7 @@ def write(path: Path, state: State) -> None:
     """Write one snapshot: every output field that the state holds.
 
     Raises:
-        RunError: If it cannot be written; an older file of that name stays whole.
+        DiskError: If it cannot be written; an older file of that name stays whole.
     """
     with hdf5.writing(path, FORM, VERSION) as file:
         root = file.create_group("VTKHDF", track_order=True)
@@ -116,7 +116,7 @@ def drop(folder: Path, first: int) -> None:
     if later:
         series(folder, end=first)
     for path in later:
-        path.unlink()
+        atomic.remove(path)
 
 
 def series(folder: Path, times: dict[str, float] | None = None, end: float = math.inf) -> Path | None:
@@ -132,7 +132,7 @@ def series(folder: Path, times: dict[str, float] | None = None, end: float = mat
 
     Raises:
         InputError: If a snapshot is damaged.
-        RunError: If the index cannot be written.
+        DiskError: If the index cannot be written.
     """
     paths = [path for path in find(folder) if _number(path) < end]
     if not paths:

@@ -107,7 +107,7 @@ def draw(runs: dict[str, Path], path: Path) -> None:
         path: The picture.
 
     Raises:
-        RunError: If the picture cannot be written.
+        DiskError: If the picture cannot be written.
     """
     states = {s: snapshot.read(snapshot.find(runs[f"{s}, {RESOLUTIONS[0]}"])[-1]) for s in SCHEMES}
     time = next(iter(states.values())).time

@@ -246,4 +246,5 @@ def _contents(out: Path) -> dict[str, object]:
 
 def _timeless(facts: dict) -> dict:
     """Facts without times of the clock."""
-    return {key: value for key, value in facts.items() if key not in TIMINGS}
+    inner = {key: _timeless(value) if isinstance(value, dict) else value for key, value in facts.items()}
+    return {key: value for key, value in inner.items() if key not in TIMINGS}
