@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import warpsph
-from warpsph import cli, info
-from warpsph.errors import DiskError, InputError, RunError
+from warpsph import cli, info, walltime
+from warpsph.errors import DiskError, Ended, InputError, RunError
 from warpsph.state import State
 from warpsph.storage import folder, snapshot
 
@@ -151,6 +151,7 @@ def test_results_go_to_runs_by_default(scene, runner, command):
         (["run", "drop.py", "--until", "-1"], ["--until -1", "positive"]),
         (["run", "drop.py", "--until", "nan"], ["--until nan", "positive"]),
         (["run", "drop.py", "--threads", "0"], ["--threads 0", "1 or more"]),
+        (["run", "drop.py", "--walltime", "soon"], ["--walltime", "soon", "2:30:00"]),
         (["run", "drop.py", "--device", "cuda:99"], ["cuda:99", "cpu"]),
         (["run", "drop.py", "--out", "full"], ["full", "not empty", "--force"]),
         (["run", "drop.py", "--out", "drop.py"], ["drop.py", "file"]),
@@ -201,6 +202,8 @@ def test_a_folder_without_permission_is_refused(monkeypatch, tmp_path):
     [
         (RunError("particle 7 of body plate\nhas no finite pressure"), 3, "plate has no finite"),
         (InputError("density = -1.0 is not allowed"), 2, "density"),
+        (Ended("wall time is up", 5), 5, "wall time is up"),
+        (Ended("terminated", 143), 143, "terminated"),
         (KeyboardInterrupt(), 130, "interrupted"),
         (PermissionError(13, "Permission denied", "here"), 2, "here: Permission denied"),
         (OSError(28, "No space left on device"), 4, "No space left"),
@@ -217,11 +220,19 @@ def test_failures_have_their_exit_codes(scene, runner, command, failure, code, w
 
 def test_resume_goes_on(scene, runner, command, tmp_path):
     (tmp_path / "checkpoint.h5").touch()
+    (tmp_path / "scene.py").touch()
     assert command("resume", str(tmp_path), "--until", "2e-6")[0] == 0
     (folder,), passed = runner.calls[0]
     assert folder == tmp_path
     assert passed["until"] == 2e-6
-    assert passed["device"] is None
+    assert passed["device"] is passed["frames"] is passed["walltime"] is None
+
+
+def test_a_wall_time_counts_from_the_start_of_the_process(scene, runner, command, monkeypatch):
+    monkeypatch.setattr(walltime, "age", lambda: 50.0)
+    for text, left in (("1:00", 10.0), ("2-0", 172750.0), ("20", 0.0)):
+        assert command("run", scene, "--walltime", text)[0] == 0
+        assert runner.calls[-1][1]["walltime"] == left
 
 
 def test_a_parameter_cannot_hide_an_option(scene, command):

@@ -1,6 +1,7 @@
 import errno
 import json
 import os
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -115,6 +116,26 @@ def test_failure_while_writing_leaves_no_file(tmp_path):
     with pytest.raises(TypeError):
         snapshot.write(tmp_path / "s_0000.vtkhdf", state)
     assert not list(tmp_path.iterdir())
+
+
+def test_the_index_loses_snapshots_before_they_go(tmp_path, monkeypatch):
+    for number in (1, 2, 3):  # somebody has taken the first one away
+        snapshot.write(tmp_path / f"block_{number:04d}.vtkhdf", impact())
+    index, unlink, gone = snapshot.series(tmp_path), Path.unlink, []
+
+    def checked(path, **options):
+        if path.suffix == ".vtkhdf":
+            gone.append(path.name)
+            names = [entry["name"] for entry in json.loads(index.read_text())["files"]]
+            assert names == ["block_0001.vtkhdf"]
+        unlink(path, **options)
+
+    monkeypatch.setattr(Path, "unlink", checked)
+    snapshot.drop(tmp_path, 4)
+    assert not gone
+    snapshot.drop(tmp_path, 2)
+    assert gone == ["block_0002.vtkhdf", "block_0003.vtkhdf"]
+    assert [path.name for path in snapshot.find(tmp_path)] == ["block_0001.vtkhdf"]
 
 
 def test_series_lists_the_snapshots_in_time_order(tmp_path):

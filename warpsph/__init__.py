@@ -24,7 +24,7 @@ _EXPORTS = {
         "JohnsonCookDamage", "JohnsonHolmquist1", "LinearElastic", "LinearHardening", "Material", "PerfectlyPlastic",
         "Polynomial", "ShockMieGrueneisen", "StiffenedGas", "moduli",
     ),
-    "errors": ("DiskError", "InputError", "RunError"),
+    "errors": ("DiskError", "Ended", "InputError", "RunError"),
 }  # fmt: skip
 """Public names by the module that defines them."""
 

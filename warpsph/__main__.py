@@ -1,5 +1,22 @@
-"""``python -m warpsph``: the command line."""
+"""``python -m warpsph``, and the command ``warpsph``: the command line, which takes signals before it is loaded."""
 
-from .cli import main
+import sys
 
-main()
+from .errors import Ended
+from .signals import listening
+
+
+def main() -> None:
+    """Run the command line."""
+    try:
+        with listening(final=True):
+            from .cli import main
+
+            main()
+    except Ended as ended:  # while it was being loaded
+        print(f"warpsph: {ended}", file=sys.stderr)
+        sys.exit(ended.code)
+
+
+if __name__ == "__main__":
+    main()

@@ -3,22 +3,29 @@
 import contextlib
 import inspect
 import math
+import os
 import sys
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NoReturn
 
 from cyclopts import App, CycloptsError, Group, Parameter, UnusedCliTokensError
 
 from . import __version__, exhaustion, library, streams
-from .errors import DiskError, InputError, RunError
+from . import walltime as wall
+from .errors import DiskError, Ended, InputError, RunError
 from .library import SceneFile
 from .messages import files
 from .progress import Progress, quiet_warp
+from .signals import listening
 from .storage import folder as output_folder
 
 INPUT, STOPPED, DISK, INTERRUPTED = 2, 3, 4, 130
-"""Exit codes besides 0: bad input, a run that had to stop, output that could not be written, Ctrl-C."""
+"""Exit codes besides 0: bad input, a run that had to stop, output that could not be written, Ctrl-C; `Ended` has its own."""
+
+SIGNALLED = (INTERRUPTED, 143)
+"""Exit codes of what a signal has ended."""
 
 FILE_ERRORS = (FileNotFoundError, FileExistsError, PermissionError, NotADirectoryError, IsADirectoryError)
 """Failures of the file system that a user can put right on the command line."""
@@ -36,13 +43,15 @@ Flag = Annotated[bool, Parameter(negative="")]
 
 
 def main(tokens: Sequence[str] | None = None) -> None:
-    """Run a command and exit: 0 done, 2 bad input, 3 run stopped, 4 output not written, 130 interrupted.
+    """Run a command and exit.
+
+    Codes: 0 done, 2 bad input, 3 run stopped, 4 output not written, 5 wall time up, 130 SIGINT, 143 SIGTERM.
 
     Args:
         tokens: Words after ``warpsph``; those of the process by default.
     """
     tokens = list(sys.argv[1:] if tokens is None else tokens)
-    sys.exit(_exit_code(lambda: _app(tokens), tokens))
+    _exit(_exit_code(lambda: _app(tokens), tokens))
 
 
 def run_file(path: str) -> None:
@@ -57,7 +66,7 @@ def run_file(path: str) -> None:
         file = library.load(path)
         return _new_app(Path(path).name, "", default_command=_run_command(file, script=True))
 
-    sys.exit(_exit_code(make, tokens))
+    _exit(_exit_code(make, tokens))
 
 
 def _exit_code(make: Callable[[], App], tokens: list[str]) -> int:
@@ -74,7 +83,7 @@ def _exit_code(make: Callable[[], App], tokens: list[str]) -> int:
 def _attempt(make: Callable[[], App], tokens: list[str]) -> int:
     """Run an application; gives its exit code."""
     try:
-        with exhaustion.told():
+        with listening(final=True), exhaustion.told():
             make()(tokens, exit_on_error=False, print_error=False, verbose=False)
     except UnusedCliTokensError as error:
         return _complain(f"unexpected argument {(error.unused_tokens or ['?'])[0]!r}", INPUT)
@@ -90,9 +99,19 @@ def _attempt(make: Callable[[], App], tokens: list[str]) -> int:
         return _complain(error, DISK)
     except RunError as error:
         return _complain(error, STOPPED)
+    except Ended as ended:
+        return _complain(ended, ended.code)
     except KeyboardInterrupt:
         return _complain("interrupted", INTERRUPTED)
     return 0
+
+
+def _exit(code: int) -> NoReturn:
+    """Exit; after a signal without waiting for threads that still compile, as the interpreter would."""
+    others = (thread for thread in threading.enumerate() if thread is not threading.main_thread())
+    if code in SIGNALLED and not all(thread.daemon for thread in others):
+        os._exit(code)  # the streams are empty
+    sys.exit(code)
 
 
 def _complain(problem: object, code: int) -> int:
@@ -165,6 +184,7 @@ def run(
     threads: int | None = None,
     force: Flag = False,
     frames: bool = True,
+    walltime: str | None = None,
     **parameters: Any,
 ) -> None:
     """Run a scene; `warpsph run SCENE --help` shows the scene's own parameters too.
@@ -180,10 +200,12 @@ def run(
         threads: CPU threads; all cores if not given.
         force: Replace what an earlier run left in the folder.
         frames: Render a picture for each snapshot.
+        walltime: Wall time after which to stop with a checkpoint on the disk: 3600 [s], 45:00, 2:30:00 or 1-12:00:00.
         **parameters: Those of the scene.
     """
     out = out or Path("runs", file.name)
     _check_limits(until, threads)
+    limit = _limit(walltime)
     output_folder.check(out, force)
     with _reporting(device) as progress:
         from .run import run as run_scene
@@ -192,7 +214,7 @@ def run(
         values = {name: p.default for name, p in file.parameters.items()} | parameters
         summary = run_scene(
             scene, out, device=device, precision=precision, threads=threads, until=until, force=force,
-            energy_limit=energy_limit, on_trouble=on_trouble, parameters=values, source=file.source, frames=frames, progress=progress,
+            energy_limit=energy_limit, on_trouble=on_trouble, parameters=values, source=file.source, frames=frames, progress=progress, walltime=_left(limit),
         )  # fmt: skip
     _print_summary(summary, out)
 
@@ -207,7 +229,8 @@ def resume(
     device: str | None = None,
     precision: Literal["float64", "float32", "mixed"] | None = None,
     threads: int | None = None,
-    frames: bool = True,
+    frames: bool | None = None,
+    walltime: str | None = None,
 ) -> None:
     """Go on with a run from its last checkpoint.
 
@@ -219,17 +242,18 @@ def resume(
         device: Where to compute; as before if not given.
         precision: Arithmetic of the particles; as before if not given.
         threads: CPU threads; all cores if not given.
-        frames: Render a picture for each snapshot.
+        frames: Render a picture for each snapshot; as the run was told if not given.
+        walltime: Wall time after which to stop with a checkpoint on the disk: 3600 [s], 45:00, 2:30:00 or 1-12:00:00.
     """
     _check_limits(until, threads)
-    if not output_folder.checkpoints(folder):
-        raise files.no_checkpoint(folder, output_folder.NEWEST)
+    limit = _limit(walltime)
+    output_folder.check_run(folder)
     with _reporting(device) as progress:
         from .run import resume as resume_run
 
         summary = resume_run(
             folder, until=until, energy_limit=energy_limit, on_trouble=on_trouble, threads=threads, device=device,
-            precision=precision, frames=frames, progress=progress,
+            precision=precision, frames=frames, progress=progress, walltime=_left(limit),
         )  # fmt: skip
     _print_summary(summary, folder)
 
@@ -450,6 +474,16 @@ def _check_limits(until: float | None, threads: int | None) -> None:
         raise InputError(f"--until {until:g} is not allowed; allowed: a positive time [s]")
     if threads is not None and threads < 1:
         raise InputError(f"--threads {threads} is not allowed; allowed: 1 or more")
+
+
+def _limit(walltime: str | None) -> float | None:
+    """Read the wall time of this process [s]."""
+    return None if walltime is None else wall.parse(walltime)
+
+
+def _left(limit: float | None) -> float | None:
+    """What is left now of a limit that counts from the start of this process [s]."""
+    return None if limit is None else max(limit - wall.age(), 0.0)
 
 
 def _print_summary(summary: dict[str, Any], out: Path) -> None:

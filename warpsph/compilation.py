@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import warp as wp
@@ -35,7 +36,16 @@ def compile_modules(kernels: set[wp.Kernel], device: wp.Device) -> None:
     """
     modules = sorted({kernel.module for kernel in kernels}, key=lambda module: module.name)
     _check_room(modules, device)
-    wp.force_load(device, modules, max_workers=min(count_cores(), len(modules) // PER_THREAD))
+    workers = min(count_cores(), len(modules) // PER_THREAD)
+    if workers < 2:
+        wp.force_load(device, modules, max_workers=0)
+        return
+    pool = ThreadPoolExecutor(workers)
+    try:
+        for loaded in [pool.submit(wp.force_load, device, [module], max_workers=0) for module in modules]:
+            loaded.result()
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)  # who is told to stop does not wait for the compiler
 
 
 def _check_room(modules: Sequence[wp.Module], device: wp.Device) -> None:

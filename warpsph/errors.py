@@ -17,3 +17,18 @@ class DiskError(RunError):
 
     The message names the file and the cause; everything written before stays readable.
     """
+
+
+class Ended(KeyboardInterrupt):
+    """What was going on has been ended in good order: by SIGINT (Ctrl-C), SIGTERM, or because the wall time was up.
+
+    Like any `KeyboardInterrupt` it passes by ``except Exception``: whoever asked for the end meant the whole program.
+    The message is one line; for a run it says what goes on from there.
+
+    Attributes:
+        code: Exit code of the command line: 130, 143 or 5.
+    """
+
+    def __init__(self, message: str, code: int):
+        super().__init__(message)
+        self.code = code

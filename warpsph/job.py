@@ -4,8 +4,6 @@ import contextlib
 import copy
 import json
 import math
-import signal
-import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -16,15 +14,18 @@ import warp as wp
 from . import __version__, exhaustion, origin
 from .balance import Balance, energy
 from .clock import Reading
-from .errors import DiskError, RunError
+from .errors import DiskError, Ended, RunError
 from .kernels.parts import PARTS
 from .messages import files, remarks, stops
 from .progress import Progress
 from .scene import SceneData
+from .signals import Stop
 from .solver import Solver
-from .storage import atomic, checkpoint, snapshot
+from .storage import checkpoint, snapshot
+from .storage import summary as summaries
 from .storage.history import History
 from .storage.writer import Writer
+from .walltime import Deadline
 
 HISTORY_ROWS = 200
 """Rows of history.csv over a whole run, about; a row is written after the first batch of steps past its time."""
@@ -58,8 +59,14 @@ class Job:
     Call `begin` or `go_on`, then `finish`.
     """
 
-    def __init__(self, solver: Solver, out: Path, until: float, parameters: dict, progress: Progress):
+    def __init__(
+        self, solver: Solver, out: Path, until: float, parameters: dict, progress: Progress,
+        stop: Stop, deadline: Deadline, frames: bool,
+    ):  # fmt: skip
         self.solver, self.out, self.until, self.progress = solver, out, until, progress
+        self.frames = frames
+        self._stop, self._deadline = stop, deadline
+        self._ending: Ended | None = None  # what has ended the steps before their time
         self.parameters = json.loads(json.dumps(parameters, default=str))
         self.data: SceneData = solver.data
         solver.watch.say = lambda text: progress.message(f"warning: {text}")
@@ -71,9 +78,8 @@ class Job:
         self.warnings: list[str] = []
         self.peaks = {name: -math.inf for name, measure in self.data.measures.items() if measure.peak}
         self._started = time.perf_counter()
-        self._stop_asked = False
         self._mark = (0.0, 0)
-        self._row_time = -1.0
+        self._row_time = self._output_time = -1.0
         self._writer = Writer()
         self._rooms: list[dict[str, wp.array]] = []  # host memory of outputs that are written
         self._times: dict[str, float] = {}  # of snapshots, by name
@@ -105,42 +111,39 @@ class Job:
         self.warnings += self.remarks
         for line in said:
             self.progress.message(line)
-        for path in snapshot.find(self.out):
-            if int(path.stem.rpartition("_")[2]) >= self.next_snapshot:  # of what is done again
-                atomic.remove(path)
+        self._output_time = info["time"]
+        snapshot.drop(self.out, self.next_snapshot)  # of what is done again
 
-    def finish(self, frames: bool) -> dict[str, Any]:
-        """Run to the end, whatever ends it, and write the summary."""
+    def finish(self) -> dict[str, Any]:
+        """Run to the end, whatever ends it, and write the summary.
+
+        Raises:
+            RunError: The run had to stop.
+            Ended: It was asked to stop, or its wall time is up; it can go on from its checkpoint.
+        """
         self.progress.start(self.until, self.solver.reading.time)
-        before = signal.signal(signal.SIGINT, self._on_interrupt) if _in_main_thread() else None
         try:
             with exhaustion.told(), self._writer:
                 self._steps()
-            ended = self.solver.reading.time >= self.until
-            if ended:
+            now = self.solver.reading
+            if now.time >= self.until:
                 self.history.close()
-                summary = self._summary()
+                self._rooms.clear()  # there are no more outputs, and drawing takes as much
+                return self._summary("done")
         except RunError as error:
             raise self._stopped(error) from error
         finally:
             self.progress.stop()
-            if before is not None:
-                signal.signal(signal.SIGINT, before)
-        if not ended:
-            self._last_words(
-                f"interrupted at t = {self.solver.reading.time:g} s; `warpsph resume {self.out}` goes on"
-            )
-            raise KeyboardInterrupt
-        if frames:
-            self._frames(summary)
-        return summary
+        ended = stops.paused(self._ending, self.out, now.time, self.until, now.steps - self._mark[1])
+        self._last_words(str(ended), str(self._ending), going_on=True)
+        raise ended
 
     def _stopped(self, error: RunError) -> RunError:
         """Leave last words, as far as the disk takes them; gives the error with what is there of the run."""
         lost = None
         try:
             with exhaustion.told():
-                self._last_words(str(error), whole=not isinstance(error, DiskError))
+                self._last_words(str(error), "failed", whole=not isinstance(error, DiskError))
         except Exception as another:  # whatever it is must not hide why the run stopped
             lost = another
         with contextlib.suppress(DiskError):
@@ -154,17 +157,17 @@ class Job:
             return files.stopped(error, last, self.out, goes_on)
         return stops.stopped(error, lost, last)
 
-    def _on_interrupt(self, _signal, _frame) -> None:
-        """Stop at the end of the batch; a second Ctrl-C stops at once."""
-        if self._stop_asked:
-            raise KeyboardInterrupt
-        self._stop_asked = True
+    def _must_end(self) -> bool:
+        """Whether to take no more steps: a signal asks for it, or the wall time will soon be up."""
+        if self._ending is None:
+            self._ending = self._stop.asked or (stops.time_is_up() if self._deadline.is_near() else None)
+        return self._ending is not None
 
     def _steps(self) -> None:
         self.solver.prepare()  # compile before the clock runs
         self._mark = (time.perf_counter(), self.solver.reading.steps)
-        while self.solver.reading.time < self.until and not self._stop_asked:
-            start = time.perf_counter()
+        while self.solver.reading.time < self.until and not self._must_end():
+            start = self._batch_start = time.perf_counter()
             self._paused = 0.0
             target = self._target()
             self.solver.advance(target, self._on_batch)
@@ -182,6 +185,7 @@ class Job:
     def _on_batch(self, now: Reading) -> bool:
         """Write what is due between two batches of steps; tells the solver whether to stop."""
         start = time.perf_counter()
+        self._deadline.batch(start - self._batch_start)
         self._writer.check()
         if now.time >= self.next_row:
             self._row()
@@ -189,8 +193,9 @@ class Job:
         self.progress.update(
             time=now.time, step=now.steps, dt=now.dt, energy_error=self.balance.energy_error, rate=rate
         )
-        self._paused += time.perf_counter() - start
-        return self._stop_asked
+        self._batch_start = time.perf_counter()
+        self._paused += self._batch_start - start
+        return self._must_end()
 
     def _row(self) -> None:
         """Write a row of the history, one for each time, and compare the ledger with the first one."""
@@ -221,16 +226,20 @@ class Job:
         number, self.next_snapshot = self.next_snapshot, self.next_snapshot + 1
         if self.solver.reading.time > (self.due - 1e-6) * self.interval:
             self.due += 1
+        self._output_time = self.solver.reading.time
         self._writer.submit(lambda: self._take(number))
 
     def _take(self, number: int, going_on: bool = True) -> Callable[[], None]:
         """Copy the state to the host; gives what writes it: a snapshot, then the checkpoint that counts on it."""
+        start = time.perf_counter()
         room = self._rooms.pop() if self._rooms else self.solver.room()
         arrays, solver = self.solver.save(room)
         state, info = self.solver.state(arrays), self._info(solver)
         path = self.out / "snapshots" / f"{self.data.name}_{number:04d}.vtkhdf"
+        copied = time.perf_counter() - start
 
         def write() -> None:
+            start = time.perf_counter()
             snapshot.write(path, state)
             self._times[path.name] = state.time  # a failing disk need not read it back
             snapshot.series(path.parent, self._times)
@@ -238,6 +247,7 @@ class Job:
             if going_on:
                 checkpoint.save_newest(self.out, arrays, info)
             self._rooms.append(room)
+            self._deadline.output(copied + time.perf_counter() - start)
 
         return write
 
@@ -248,25 +258,27 @@ class Job:
         return origin.header(self.solver, self.out) | {
             "parameters": self.parameters, "time": now.time, "step": now.steps, "until": self.until,
             "row_time": self._row_time, "solver": solver, "balance": self.balance.save(), "job": own,
+            "frames": self.frames,
         }  # fmt: skip
 
-    def _last_words(self, why: str, whole: bool = True) -> None:
-        """Leave what is needed to look at a run that stopped early, and to go on after an interruption.
+    def _last_words(self, why: str, outcome: str, whole: bool = True, going_on: bool = False) -> None:
+        """Leave what is needed to look at a run that stopped early, and to go on with one that was asked to.
 
         Only a ``whole`` one leaves more than the summary: a disk that takes no more has the run's checkpoint already.
         """
         self.warnings.append(why)
         if whole:
             self._writer.check()
-            self._take(self.next_snapshot, going_on=self._stop_asked)()
-        self._summary()
+            if not going_on or self.solver.reading.time > self._output_time:
+                self._take(self.next_snapshot, going_on)()
+        self._summary(outcome)
 
     def _elapsed(self) -> float:
         return self.wall + time.perf_counter() - self._started
 
-    def _summary(self) -> dict[str, Any]:
-        summary = self._facts()
-        atomic.write(self.out / "summary.json", json.dumps(summary, indent=2, default=str).encode())
+    def _summary(self, outcome: str) -> dict[str, Any]:
+        summary = {"outcome": outcome} | self._facts()
+        summaries.write(self.out, summary)
         return summary
 
     def _facts(self) -> dict[str, Any]:
@@ -297,26 +309,7 @@ class Job:
             **self.solver.tally(), "guards": self.solver.watch.report(), "measures": self._measures(), "warnings": warnings, "version": __version__,
         }  # fmt: skip
 
-    def _frames(self, summary: dict[str, Any]) -> None:
-        """Draw the frames; a machine that cannot draw has still run the scene."""
-        from .render import render
-
-        self._rooms.clear()  # there are no more outputs, and drawing takes as much
-        try:
-            with exhaustion.told():
-                render(self.out)
-        except DiskError as error:
-            raise files.no_frames(error, self.out) from error
-        except RunError as error:
-            self.warnings.append(f"no frames: {error}")
-            summary["warnings"].append(self.warnings[-1])
-            atomic.write(self.out / "summary.json", json.dumps(summary, indent=2, default=str).encode())
-
 
 def _columns(data: SceneData) -> list[tuple[str, str]]:
     """Columns of the history with units."""
     return list((dict(OWN_COLUMNS) | {name: m.unit for name, m in data.measures.items()}).items())
-
-
-def _in_main_thread() -> bool:
-    return threading.current_thread() is threading.main_thread()

@@ -10,20 +10,14 @@ from collections.abc import Iterator
 from types import ModuleType
 from typing import TextIO
 
-from . import units
 from .streams import Dropping
+from .units import si
 
 LOG_SHARE = 0.1
 """A log gets a line whenever this share of the run is done ..."""
 
 LOG_SECONDS = 10.0
 """... and when this long passed since the last one [s], or a tenth of the wall time so far if that is longer."""
-
-
-def si(value: float, unit: str) -> str:
-    """Write a quantity with an SI prefix: ``si(3.2e-6, "s")`` is ``"3.2 µs"``."""
-    factor, prefixed = units.scale(unit, abs(value))
-    return f"{value * factor:.4g} {prefixed}"
 
 
 def clock(seconds: float) -> str:

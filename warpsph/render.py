@@ -1,7 +1,7 @@
 """From the snapshots of a run to pictures and films."""
 
 import io
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +27,7 @@ def render(
     size: tuple[int, int] = (1280, 960),
     every: int = 1,
     cmap: str | None = None,
+    on_frame: Callable[[], None] | None = None,
 ) -> list[Path]:
     """Draw the snapshots of a run, all with one camera and one colour range.
 
@@ -42,6 +43,7 @@ def render(
         size: Width and height [pixels].
         every: Draw every n-th snapshot only.
         cmap: A matplotlib colour map; None for one that suits the values.
+        on_frame: Called before each frame; what it raises ends the drawing.
 
     Returns:
         The files written, in order; the film comes last.
@@ -62,7 +64,7 @@ def render(
     look = choose(states, field=field, view=view, range=range, cut=cut, size=size, cmap=cmap)
     output = atomic.make_folder(Path(folder) / "frames" if output is None else Path(output))
     files = [output / f"{field}_{path.stem.rpartition('_')[2]}.png" for path in paths]
-    frames = _frames(look, paths, files)
+    frames = _frames(look, paths, files, on_frame or (lambda: None))
     if movie is None:
         for _ in frames:
             pass
@@ -100,10 +102,13 @@ def write_png(path: Path, picture: np.ndarray) -> None:
     atomic.write(path, memory.getbuffer())
 
 
-def _frames(look: Look, paths: list[Path], files: list[Path]) -> Iterator[np.ndarray]:
+def _frames(
+    look: Look, paths: list[Path], files: list[Path], on_frame: Callable[[], None]
+) -> Iterator[np.ndarray]:
     """Draw the snapshots one by one, to their files and for the film."""
     with Painter(look) as painter:
         for path, file in zip(paths, files, strict=True):
+            on_frame()
             picture = painter.draw(snapshot.read(path))
             write_png(file, picture)
             yield picture

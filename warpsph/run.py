@@ -4,15 +4,20 @@ from pathlib import Path
 from typing import Any
 
 from . import footprint
+from . import frames as drawn
 from .errors import InputError
 from .guards import Action
+from .info import read_summary
 from .job import Job
-from .messages import files
+from .messages import files, stops
 from .progress import Progress
 from .scene import Scene
+from .signals import Stop, listening
 from .solver import Solver
-from .storage import atomic, checkpoint, folder
+from .storage import atomic, checkpoint, folder, lock
+from .storage import summary as summaries
 from .storage.writer import PENDING
+from .walltime import Deadline
 
 
 def run(
@@ -30,8 +35,12 @@ def run(
     source: str | None = None,
     frames: bool = True,
     progress: Progress | None = None,
+    walltime: float | None = None,
 ) -> dict[str, Any]:
     """Run a scene into a folder and give its summary.
+
+    In the main thread SIGINT and SIGTERM end the run after the steps it is taking, a second one at once; their handlers
+    are then put back.
 
     Args:
         scene: The scene.
@@ -47,28 +56,39 @@ def run(
         source: Text of the scene file, for `resume`.
         frames: Draw a frame of every snapshot at the end.
         progress: Where progress goes.
+        walltime: Wall time until which the run has to be over, counted from now [s]; no limit by default.
 
     Raises:
         InputError: Bad input; nothing has been written.
         RunError: The run had to stop; a last snapshot has been written.
         DiskError: Output could not be written; what was written before is whole.
-        KeyboardInterrupt: After a clean ending on Ctrl-C.
+        Ended: By SIGINT, SIGTERM, or because the wall time is up; `resume` goes on.
     """
-    progress = progress or Progress()
-    data = scene.finalize()
-    solver = Solver(
-        data, device=device, precision=precision, threads=threads, copies=PENDING, say=progress.message
-    )
-    solver.watch.change(energy_limit, on_trouble)
-    out = Path(out)
-    if warning := footprint.check(out, solver, data.snapshots + 1):
-        progress.message(warning)
-    folder.prepare(out, force)
-    if source is not None:
-        atomic.write(out / "scene.py", source.encode())
-    job = Job(solver, out, data.until if until is None else until, parameters or {}, progress)
-    job.begin()
-    return job.finish(frames)
+    out, deadline, progress = Path(out), Deadline(walltime), progress or Progress()
+    with listening() as stop:
+        data = scene.finalize()
+        folder.check(out, force)
+        with lock.held(out, progress.message):
+            solver = Solver(
+                data,
+                device=device,
+                precision=precision,
+                threads=threads,
+                copies=PENDING,
+                say=progress.message,
+            )
+            solver.watch.change(energy_limit, on_trouble)
+            if warning := footprint.check(out, solver, data.snapshots + 1):
+                progress.message(warning)
+            folder.prepare(out, force)
+            if source is not None:
+                atomic.write(out / "scene.py", source.encode())
+            end = data.until if until is None else until
+            job = Job(solver, out, end, parameters or {}, progress, stop, deadline, frames)
+            with stop.patience():
+                job.begin()
+                summary = job.finish()
+            return _with_frames(out, summary, frames, stop, deadline)
 
 
 def resume(
@@ -80,11 +100,13 @@ def resume(
     threads: int | None = None,
     device: str | None = None,
     precision: str | None = None,
-    frames: bool = True,
+    frames: bool | None = None,
     progress: Progress | None = None,
+    walltime: float | None = None,
 ) -> dict[str, Any]:
     """Go on with the run in a folder from its newest whole checkpoint, bit for bit as if it had not stopped there.
 
+    A run that is done is left as it is; if it was ended while frames were drawn, they are. Signals are taken as by `run`.
     On another device or in another precision it goes on too, and says that it is no longer bit for bit.
 
     Args:
@@ -95,37 +117,63 @@ def resume(
         threads: CPU threads; all cores by default.
         device: Another device than the run's.
         precision: Another precision than the run's.
-        frames: Draw a frame of every snapshot at the end.
+        frames: Draw a frame of every snapshot at the end; as the run was told by default.
         progress: Where progress goes.
+        walltime: Wall time until which the run has to be over, counted from now [s]; no limit by default.
 
     Raises:
-        InputError: The folder holds no run that can go on, or is past ``until``.
+        InputError: The folder holds no run that can go on or is in use, or the run is past ``until``.
         RunError: The run had to stop; a last snapshot has been written.
         DiskError: Output could not be written; what was written before is whole.
-        KeyboardInterrupt: After a clean ending on Ctrl-C.
+        Ended: By SIGINT, SIGTERM, or because the wall time is up; `resume` goes on.
     """
     from .library import load
 
-    out = Path(out)
-    source = out / "scene.py"
-    found = checkpoint.load_newest(out)
-    info = found.info
-    if not source.is_file():
-        raise files.no_checkpoint(out, source.name)
-    if checkpoint.digest(source) != info["scene_sha256"]:
-        raise files.scene_changed(source)
-    end = info["until"] if until is None else until
-    if info["time"] > end:
-        raise InputError(
-            f"until = {end:g} s is before the checkpoint's time; allowed: {info['time']:g} or more"
-        )
-    data = load(source).build(**info["parameters"]).finalize()
-    progress = progress or Progress()
-    solver = Solver(
-        data, device=device or info["device"], precision=precision or info["precision"], threads=threads,
-        copies=PENDING, say=progress.message,
-    )  # fmt: skip
-    job = Job(solver, out, end, info["parameters"], progress)
-    job.go_on(found)
-    solver.watch.change(energy_limit, on_trouble)
-    return job.finish(frames)
+    out, deadline, progress = Path(out), Deadline(walltime), progress or Progress()
+    folder.check_run(out)
+    with listening() as stop, lock.held(out, progress.message):
+        folder.tidy(out)
+        source = out / "scene.py"
+        found = checkpoint.load_newest(out)
+        info = found.info
+        if checkpoint.digest(source) != info["scene_sha256"]:
+            raise files.scene_changed(source)
+        end = info["until"] if until is None else until
+        if info["time"] > end:
+            raise InputError(
+                f"until = {end:g} s is before the checkpoint's time; allowed: {info['time']:g} or more"
+            )
+        frames = info["frames"] if frames is None else frames
+        summary = _summary_of_the_end(out) if info["time"] == end else None
+        if summary is not None:
+            progress.message(stops.already_done(out, end))
+            return _with_frames(out, summary, frames and drawn.are_missing(out), stop, deadline)
+        data = load(source).build(**info["parameters"]).finalize()
+        solver = Solver(
+            data, device=device or info["device"], precision=precision or info["precision"], threads=threads,
+            copies=PENDING, say=progress.message,
+        )  # fmt: skip
+        job = Job(solver, out, end, info["parameters"], progress, stop, deadline, frames)
+        with stop.patience():
+            job.go_on(found)
+            solver.watch.change(energy_limit, on_trouble)
+            summary = job.finish()
+        return _with_frames(out, summary, frames, stop, deadline)
+
+
+def _summary_of_the_end(out: Path) -> dict[str, Any] | None:
+    """The summary of a run that is done; None if it was ended before it was written."""
+    path = out / summaries.NAME
+    summary = read_summary(path) if path.is_file() else {}
+    return summary if summary.get("outcome") == "done" else None
+
+
+def _with_frames(
+    out: Path, summary: dict[str, Any], frames: bool, stop: Stop, deadline: Deadline
+) -> dict[str, Any]:
+    """Draw the frames, if they are wanted and nobody has asked for an end meanwhile; gives the summary."""
+    if frames and stop.asked:
+        raise stops.undrawn(stop.asked, out)
+    if frames:
+        drawn.draw(out, summary, deadline)
+    return summary

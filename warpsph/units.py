@@ -42,3 +42,9 @@ def pretty(unit: str) -> str:
 def label(name: str, unit: str) -> str:
     """Title of an axis: ``pressure [GPa]``."""
     return f"{name} [{unit}]" if unit else name
+
+
+def si(value: float, unit: str) -> str:
+    """Write a quantity with an SI prefix: ``si(3.2e-6, "s")`` is ``"3.2 µs"``."""
+    factor, prefixed = scale(unit, abs(value))
+    return f"{value * factor:.4g} {prefixed}"

@@ -24,6 +24,17 @@ REMEDIES = {
 """What a user can do about a failure of the file system."""
 
 
+FOREIGN = (PermissionError, FileExistsError, FileNotFoundError, NotADirectoryError, IsADirectoryError)
+"""Failures that another folder on the command line would put right."""
+
+
+def no_folder(folder: Path, error: OSError) -> InputError | DiskError:
+    """An output folder cannot be made or written."""
+    if not isinstance(error, FOREIGN):
+        return unwritten(folder, error)
+    return InputError(f"output folder {folder} cannot be written: {error.strerror or error}")
+
+
 def unwritten(path: Path | str, error: OSError) -> DiskError:
     """Output could not be written: names the file, the cause in the system's words, and what to do about it."""
     remedy = REMEDIES.get(error.errno)
@@ -82,7 +93,10 @@ def _left(path: Path, error: OSError) -> str:
 
 def no_checkpoint(folder: Path, name: str) -> InputError:
     """A folder holds nothing that a run could go on from."""
-    return InputError(f"{folder} cannot be resumed: {name} is missing; allowed: the folder of a run")
+    return InputError(
+        f"{folder} cannot be resumed: {name} is missing; it is no run, or one that ended before its first output: "
+        f"start it with `warpsph run SCENE --out {folder} --force`"
+    )
 
 
 def no_whole_checkpoint(causes: list[str]) -> InputError:
@@ -96,3 +110,22 @@ def scene_changed(path: Path) -> InputError:
         f"{path} was changed since the checkpoint; put the old text back, or start a new run of it: "
         f"warpsph run {path} --out FOLDER"
     )
+
+
+def in_use(folder: Path, holder: dict, file: Path | None = None) -> InputError:
+    """Another run writes into a folder; ``file`` is its lock if nothing else can tell whether it still does."""
+    advice = "wait for it, end it, or use another --out"
+    advice += f"; if it is over, remove {file}" if file else ""
+    return InputError(f"output folder {folder} is in use by {who(holder)}; {advice}")
+
+
+def stale_lock(folder: Path, holder: dict) -> str:
+    """A lock was left behind, and is taken over."""
+    return f"{folder}: {who(holder)}, ended without a word; its lock is taken over"
+
+
+def who(holder: dict) -> str:
+    """The process that a lock file names."""
+    if not {"host", "pid", "since"} <= set(holder):
+        return "another process"
+    return f"process {holder['pid']} on {holder['host']}, there since {holder['since']}"

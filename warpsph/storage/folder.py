@@ -7,32 +7,34 @@ from pathlib import Path
 from warpsph.errors import InputError
 from warpsph.messages import files
 
+from . import lock
+
 NEWEST, PREVIOUS, DAMAGED = "checkpoint.h5", "checkpoint_previous.h5", "checkpoint_damaged.h5"
 """The last checkpoint of a run, the one before, and one that was found damaged when the run went on."""
 
 OURS = (
-    *("summary.json", "history.csv", NEWEST, PREVIOUS, DAMAGED),
-    *("scene.py", "plot.png", "snapshots", "frames"),
+    *("scene.py", NEWEST, PREVIOUS, DAMAGED),
+    *("summary.json", "history.csv", "plot.png", "snapshots", "frames"),
 )
-"""What a run writes, and so what ``force`` clears."""
+"""What a run writes, and so what ``force`` clears, in this order: without its scene nobody takes what is left for a run.
 
-
-FOREIGN = (PermissionError, FileExistsError, FileNotFoundError, NotADirectoryError, IsADirectoryError)
-"""Failures at the start that another folder on the command line would put right."""
+The lock is the business of `warpsph.storage.lock`."""
 
 
 def check(out: Path, force: bool) -> None:
     """Check that results can go into a folder, without touching it.
 
     Raises:
-        InputError: It is a file, holds something (unless ``force``), or cannot be written.
+        InputError: It is a file, holds something besides a lock (unless ``force``), is in use, or cannot be written.
     """
     parent = next(folder for folder in (out, *out.absolute().parents) if folder.exists())
     if not parent.is_dir():
         raise InputError(f"output folder {out} cannot be made: {parent} is a file")
     if not os.access(parent, os.W_OK | os.X_OK):
         raise InputError(f"output folder {out} cannot be written: no permission in {parent}")
-    if parent == out and not force and any(out.iterdir()):
+    if parent == out and not force and any(path.name != lock.NAME for path in out.iterdir()):
+        if holder := lock.holder(out):
+            raise files.in_use(out, holder)
         raise InputError(
             f"output folder {out} is not empty; use --force, another --out, or `warpsph resume {out}`"
         )
@@ -53,7 +55,7 @@ def free(out: Path) -> int | None:
 
 
 def prepare(out: Path, force: bool) -> None:
-    """Make the folder, and clear an earlier run's files from it.
+    """Make the folder, and clear an earlier run's files from it; the caller holds its lock.
 
     Raises:
         InputError: It cannot be used, see `check`.
@@ -62,16 +64,35 @@ def prepare(out: Path, force: bool) -> None:
     check(out, force)
     try:
         out.mkdir(parents=True, exist_ok=True)
+        tidy(out)
         for name in OURS:
             if (out / name).is_dir():
                 shutil.rmtree(out / name)
             else:
                 (out / name).unlink(missing_ok=True)
         (out / "snapshots").mkdir()
-    except FOREIGN as error:
-        raise InputError(f"output folder {out} cannot be written: {error.strerror}") from error
     except OSError as error:
-        raise files.unwritten(out, error) from error
+        raise files.no_folder(out, error) from error
+
+
+def tidy(out: Path) -> None:
+    """Remove what a killed run was about to write: files that had no name yet."""
+    for folder in (out, out / "snapshots", out / "frames"):
+        for part in folder.glob(".*.part"):
+            part.unlink(missing_ok=True)
+
+
+def check_run(out: Path) -> None:
+    """Check that a folder holds a run that can go on.
+
+    Raises:
+        InputError: It holds no checkpoint or no scene; a run that has just begun in it is named.
+    """
+    missing = [] if checkpoints(out) else [NEWEST]
+    missing += [] if (out / "scene.py").is_file() else ["scene.py"]
+    if missing:
+        holder = lock.holder(out)
+        raise files.in_use(out, holder) if holder else files.no_checkpoint(out, missing[0])
 
 
 def checkpoints(out: Path) -> list[Path]:

@@ -6,6 +6,7 @@ Time, step, scene, names, spacing and smoothing length are field data.
 """
 
 import json
+import math
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -100,12 +101,31 @@ def find(folder: Path) -> list[Path]:
     )
 
 
-def series(folder: Path, times: dict[str, float] | None = None) -> Path | None:
+def drop(folder: Path, first: int) -> None:
+    """Remove the snapshots from a number on; the index loses them first, so that it never names one too many.
+
+    Args:
+        folder: As for `find`.
+        first: The lowest number to go.
+
+    Raises:
+        InputError: If a snapshot that is kept is damaged.
+        RunError: If the index cannot be written.
+    """
+    later = [path for path in find(folder) if _number(path) >= first]
+    if later:
+        series(folder, end=first)
+    for path in later:
+        atomic.remove(path)
+
+
+def series(folder: Path, times: dict[str, float] | None = None, end: float = math.inf) -> Path | None:
     """Write the index ``NAME.vtkhdf.series`` that ParaView opens as one animation.
 
     Args:
         folder: As for `find`.
         times: Times [s] by name of snapshots read before; those of others are read and noted here.
+        end: Only snapshots with lower numbers are named.
 
     Returns:
         The index, or None if there is no snapshot yet.
@@ -114,7 +134,7 @@ def series(folder: Path, times: dict[str, float] | None = None) -> Path | None:
         InputError: If a snapshot is damaged.
         DiskError: If the index cannot be written.
     """
-    paths = find(folder)
+    paths = [path for path in find(folder) if _number(path) < end]
     if not paths:
         return None
     times = {} if times is None else times

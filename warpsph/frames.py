@@ -1,0 +1,58 @@
+"""The frames that a run draws of its snapshots when all steps are done."""
+
+import time
+from pathlib import Path
+from typing import Any
+
+from . import exhaustion
+from .errors import DiskError, Ended, RunError
+from .messages import files, stops
+from .storage import snapshot
+from .storage import summary as summaries
+from .walltime import Deadline
+
+
+def are_missing(out: Path) -> bool:
+    """Whether a run has fewer frames than snapshots."""
+    return len(list(Path(out, "frames").glob("*.png"))) < len(snapshot.find(out))
+
+
+def draw(out: Path, summary: dict[str, Any], deadline: Deadline) -> None:
+    """Draw a frame of every snapshot; a machine that cannot draw has still run the scene, and the summary says so.
+
+    Args:
+        out: Folder of the run.
+        summary: Its summary, which is on the disk; takes the warning.
+        deadline: When to have ended.
+
+    Raises:
+        DiskError: A frame could not be written.
+        Ended: By a signal, at once, or because the wall time is up; `warpsph resume` draws the frames later.
+    """
+    from .render import render
+
+    try:
+        with exhaustion.told():
+            render(out, on_frame=_watch(deadline))
+    except Ended as ended:
+        raise stops.undrawn(ended, out) from None
+    except DiskError as error:
+        raise files.no_frames(error, out) from error
+    except RunError as error:
+        summary["warnings"].append(f"no frames: {error}")
+        summaries.write(out, summary)
+
+
+def _watch(deadline: Deadline):
+    """What is called before each frame: measures the last one, and ends the drawing in time."""
+    marks: list[float] = []
+
+    def on_frame() -> None:
+        now = time.monotonic()
+        if marks:
+            deadline.batch(now - marks[-1])
+        marks.append(now)
+        if deadline.is_near():
+            raise stops.time_is_up()
+
+    return on_frame
