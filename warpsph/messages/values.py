@@ -24,3 +24,8 @@ def shown(value: object) -> str:
     """A value as it is shown: as Python writes it, cut where it is long."""
     text = repr(value.tolist() if isinstance(value, np.ndarray | np.generic) else value)
     return text if len(text) < LONGEST else text[: LONGEST - 4] + " ..."
+
+
+def printable(text: str) -> str:
+    """A text from a file as it may be printed: what would move the cursor or hide something is written out."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)

@@ -7,11 +7,8 @@ import numpy as np
 
 from . import hdf5
 
-FORM, VERSION = "warpsph checkpoint", 2
+FORM, VERSION = "warpsph checkpoint", 3
 """Name and version of the format; the version rises when old readers would fail."""
-
-CHUNK = 8192
-"""Rows that share a checksum: pieces as large as fit into HDF5's cache."""
 
 
 def save(path: Path, arrays: dict[str, np.ndarray], info: dict) -> None:
@@ -25,15 +22,11 @@ def save(path: Path, arrays: dict[str, np.ndarray], info: dict) -> None:
     Raises:
         RunError: If it cannot be written; an older file of that name stays whole.
     """
-    with hdf5.writing(path, FORM, VERSION) as file:
-        file["info"] = json.dumps(info)
+    with hdf5.writing(path, FORM, VERSION, info) as file:
+        file["info"] = json.dumps(info)  # for other programs
         group = file.create_group("arrays", track_order=True)
         for name, array in arrays.items():
-            array = np.asarray(array)
-            checked = {}
-            if array.size and array.ndim:
-                checked = {"fletcher32": True, "chunks": (min(len(array), CHUNK), *array.shape[1:])}
-            group.create_dataset(name, data=array, **checked)
+            group.create_dataset(name, data=np.asarray(array))
 
 
 def load(path: Path) -> tuple[dict[str, np.ndarray], dict]:
@@ -43,9 +36,7 @@ def load(path: Path) -> tuple[dict[str, np.ndarray], dict]:
         The arrays and the facts, as they were saved.
 
     Raises:
-        InputError: If the file is missing, no checkpoint, of another format version, or damaged (each array has a
-            checksum).
+        InputError: If the file is missing, no checkpoint, of another format version, or damaged.
     """
     with hdf5.reading(path, FORM, VERSION) as file:
-        arrays = {name: data[...] for name, data in file["arrays"].items()}
-        return arrays, json.loads(file["info"].asstr()[()])
+        return {name.removeprefix("arrays/"): file.array(name) for name in file.names}, file.facts
