@@ -6,6 +6,9 @@ from warpsph.errors import InputError
 
 from .values import printable, shown
 
+MESHES = "a closed surface as STL, OBJ or PLY file"
+"""Files that a mesh can come from."""
+
 
 def damaged(path: Path, form: str, error: Exception) -> InputError:
     """A file of ours that is no longer what was written, or never was one; ``error`` says what is wrong."""
@@ -22,3 +25,13 @@ def foreign(path: Path, form: str, found: object) -> InputError:
 def other_version(path: Path, version: int, found: object) -> InputError:
     """A file of an older or a newer version of the format."""
     return InputError(f"{path} has format version {shown(found)}; this warpsph reads version {version}")
+
+
+def no_mesh(path: Path) -> InputError:
+    """A mesh that is not there, or is a folder or no plain file."""
+    return InputError(f"mesh {path} does not exist or is no file; allowed: {MESHES}")
+
+
+def mesh(path: Path, reason: str) -> InputError:
+    """A mesh file of another kind, or that is not sound."""
+    return InputError(f"mesh {path} cannot be read ({printable(reason)}); allowed: {MESHES}")
