@@ -13,6 +13,7 @@ from cyclopts import App, CycloptsError, Group, Parameter, UnusedCliTokensError
 from . import __version__, library
 from .errors import InputError, RunError
 from .library import SceneFile
+from .messages.values import printable
 from .progress import Progress, quiet_warp
 from .storage import folder as output_folder
 
@@ -78,7 +79,7 @@ def _exit_code(make: Callable[[], App], tokens: list[str]) -> int:
 
 def _complain(problem: object, code: int) -> int:
     """Print one line, whatever the message holds."""
-    print("warpsph:", " ".join(str(problem).split()), file=sys.stderr)
+    print("warpsph:", printable(" ".join(str(problem).split())), file=sys.stderr)
     return code
 
 

@@ -13,9 +13,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from .errors import InputError, RunError
+from .storage import text
 
 if TYPE_CHECKING:
     from .scene import Scene
+
+LONGEST = 2**24
+"""Longest scene file that is read [bytes]."""
 
 WORDS = {
     bool: "yes or no",
@@ -62,7 +66,7 @@ class SceneParameter:
         """
         try:
             return _convert(self.annotation, value)
-        except TypeError:
+        except (TypeError, OverflowError):
             raise InputError(
                 f"parameter {self.name} = {value!r} is not valid; allowed: {self.kind}"
             ) from None
@@ -88,7 +92,7 @@ class SceneFile:
     parameters: dict[str, SceneParameter]
     function: Callable
 
-    def build(self, **values: Any) -> "Scene":
+    def build(self, /, **values: Any) -> "Scene":
         """Build the scene, with the defaults for parameters that are not given.
 
         Raises:
@@ -141,10 +145,7 @@ def load(name_or_path: str | Path) -> SceneFile:
         InputError: If it does not exist, is not Python, has no ``build`` or one that cannot be used.
     """
     path = find(name_or_path)
-    try:
-        source = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"scene file {path} cannot be read: {error}") from error
+    source = text.read(path, "scene", LONGEST)
     module = _execute(path, source)
     build = getattr(module, "build", None)
     if not inspect.isfunction(build):
@@ -161,7 +162,7 @@ def _execute(path: Path, source: str) -> types.ModuleType:
         code = compile(source, str(path), "exec")
     except SyntaxError as error:
         raise InputError(f"{path}, line {error.lineno}: syntax error: {error.msg}") from error
-    except ValueError as error:
+    except (ValueError, RecursionError, MemoryError) as error:
         raise InputError(f"{path}: not a Python file: {error}") from error
     module = types.ModuleType(f"warpsph_scene_{path.stem}")
     module.__file__ = str(path)

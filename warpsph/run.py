@@ -5,10 +5,19 @@ from typing import Any
 
 from .errors import InputError
 from .job import Job
+from .messages import files
 from .progress import Progress
 from .scene import Scene
 from .solver import Solver
-from .storage import atomic, checkpoint, folder
+from .storage import atomic, checkpoint, facts, folder
+
+NEEDED = {
+    "time": facts.not_negative, "until": facts.positive, "interval": facts.positive, "next_snapshot": facts.natural,
+    "next_row": facts.not_negative, "wall": facts.not_negative, "step_wall": facts.not_negative, "device": facts.text,
+    "solver": facts.record, "balance": facts.record, "parameters": facts.record, "peaks": facts.record,
+    "neighbours": facts.numbers,
+}  # fmt: skip
+"""Facts of a checkpoint that a run goes on from, and what they have to be."""
 
 
 def run(
@@ -87,6 +96,7 @@ def resume(
         if not (out / name).is_file():
             raise InputError(f"{out} cannot be resumed: {name} is missing; allowed: the folder of a run")
     arrays, info = checkpoint.load(out / "checkpoint.h5")
+    _check(out, info)
     end = info["until"] if until is None else until
     if info["time"] >= end:
         raise InputError(
@@ -97,5 +107,20 @@ def resume(
         data, device=device or info["device"], precision=info["solver"]["precision"], threads=threads
     )
     job = Job(solver, out, end, info["parameters"], progress or Progress())
-    job.go_on(arrays, info)
+    try:
+        job.go_on(arrays, info)
+    except (LookupError, TypeError, AttributeError, OverflowError) as error:
+        raise files.damaged(out / "checkpoint.h5", checkpoint.FORM, error) from error
     return job.finish(frames)
+
+
+def _check(out: Path, info: dict[str, Any]) -> None:
+    """Check the facts of a checkpoint that a run goes on from.
+
+    Raises:
+        InputError: If one is missing or of a wrong type.
+    """
+    try:
+        facts.check(info, NEEDED)
+    except ValueError as error:
+        raise files.damaged(out / "checkpoint.h5", checkpoint.FORM, error) from None

@@ -1,10 +1,14 @@
 """Files and folders that cannot be read or written: which one, why, what to do."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from warpsph.errors import InputError
 
 from .values import printable, shown
+
+if TYPE_CHECKING:
+    import numpy as np
 
 MESHES = "a closed surface as STL, OBJ or PLY file"
 """Files that a mesh can come from."""
@@ -15,6 +19,12 @@ def damaged(path: Path, form: str, error: Exception) -> InputError:
     lines = printable(str(error).strip("'\" .")).splitlines() or [""]
     reason = "it does not fit into the memory" if isinstance(error, MemoryError) else lines[0]
     return InputError(f"{path} is damaged or no {form} ({reason or type(error).__name__})")
+
+
+def unreadable(path: Path, form: str, error: Exception) -> InputError:
+    """A file of text that is missing, not plain, or not text."""
+    reason = getattr(error, "strerror", None) or str(error)
+    return InputError(f"{path} is not readable as a {form} ({printable(reason)})")
 
 
 def foreign(path: Path, form: str, found: object) -> InputError:
@@ -35,3 +45,15 @@ def no_mesh(path: Path) -> InputError:
 def mesh(path: Path, reason: str) -> InputError:
     """A mesh file of another kind, or that is not sound."""
     return InputError(f"mesh {path} cannot be read ({printable(reason)}); allowed: {MESHES}")
+
+
+def wrong_array(name: str, array: "np.ndarray", shape: tuple[int, ...]) -> InputError:
+    """An array of a checkpoint that the run cannot use."""
+    return InputError(
+        f"checkpoint holds {name} as {array.dtype} of shape {array.shape}; this run needs shape {shape}"
+    )
+
+
+def wrong_numbers(names: list[str]) -> InputError:
+    """Numbers of bodies, materials and the like in a checkpoint that stand for nothing in the scene."""
+    return InputError(f"checkpoint holds numbers in {', '.join(names)} that stand for nothing in this scene")

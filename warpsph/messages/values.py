@@ -2,8 +2,6 @@
 
 from collections.abc import Iterable
 
-import numpy as np
-
 from warpsph.errors import InputError
 
 LONGEST = 80
@@ -22,10 +20,10 @@ def unknown(name: str, value: object, allowed: Iterable[object]) -> InputError:
 
 def shown(value: object) -> str:
     """A value as it is shown: as Python writes it, cut where it is long."""
-    text = repr(value.tolist() if isinstance(value, np.ndarray | np.generic) else value)
+    text = repr(value.tolist() if hasattr(value, "tolist") else value)  # numpy's as plain numbers
     return text if len(text) < LONGEST else text[: LONGEST - 4] + " ..."
 
 
 def printable(text: str) -> str:
     """A text from a file as it may be printed: what would move the cursor or hide something is written out."""
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)

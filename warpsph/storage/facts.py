@@ -33,6 +33,12 @@ def finite(value: Any) -> float:
     return float(_must(type(value) in (int, float) and _is_finite(value), value, "a finite number"))
 
 
+def not_negative(value: Any) -> float:
+    """A finite number from 0 up."""
+    fits = type(value) in (int, float) and _is_finite(value) and value >= 0.0
+    return float(_must(fits, value, "a number that is not negative"))
+
+
 def positive(value: Any) -> float:
     """A positive, finite number."""
     fits = type(value) in (int, float) and _is_finite(value) and value > 0.0
@@ -52,6 +58,16 @@ def text(value: Any) -> str:
 def texts(value: Any) -> list[str]:
     """A list of texts."""
     return [text(item) for item in _must(isinstance(value, list), value, "a list of texts")]
+
+
+def numbers(value: Any) -> list[float]:
+    """A list of finite numbers."""
+    return [finite(item) for item in _must(isinstance(value, list), value, "a list of numbers")]
+
+
+def record(value: Any) -> dict[str, Any]:
+    """Facts by name."""
+    return _must(isinstance(value, dict), value, "a record")
 
 
 def one_of(*choices: int) -> Rule:
