@@ -122,5 +122,7 @@ def _check(out: Path, info: dict[str, Any]) -> None:
     """
     try:
         facts.check(info, NEEDED)
+        if info["next_snapshot"] * info["interval"] < (1.0 - 1e-6) * info["time"]:
+            raise ValueError("its snapshots lag behind its time")
     except ValueError as error:
         raise files.damaged(out / "checkpoint.h5", checkpoint.FORM, error) from None
