@@ -251,7 +251,7 @@ class Solver:
         """Conserved quantities and extremes of all particles (see `kernels.ledger` for names and units)."""
         self._bind(self._scheme.ledger, self._blocks.count)()
         partial = self._work.partial.numpy()
-        sums = {name: math.fsum(partial[:, k]) for k, name in enumerate(SUMS)}
+        sums = {name: _total(partial[:, k]) for k, name in enumerate(SUMS)}
         maxima = {name: float(partial[:, len(SUMS) + k].max()) for k, name in enumerate(MAXIMA)}
         return sums | maxima
 
@@ -373,3 +373,12 @@ class Solver:
             f"stopped at t = {now.time:.6g} s, step {now.steps}: particle {p['id'][i]} of body {body!r} "
             f"(material {material!r}) at ({where}) m: {cause}"
         )
+
+
+def _total(values: np.ndarray) -> float:
+    """Sum without rounding; of values that have none, or one beyond all numbers, what floating point makes of it."""
+    try:
+        return math.fsum(values)
+    except (ValueError, OverflowError):
+        with np.errstate(over="ignore", invalid="ignore"):
+            return float(np.sum(values))

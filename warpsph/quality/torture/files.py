@@ -27,16 +27,23 @@ PATIENCE = 60.0
 FULL, QUICK = 230, 9
 """Mutated files of each format."""
 
+KEPT = 100 * 2**20
+"""Memory that a process may have taken for one file before another one takes over: libraries keep some [bytes]."""
+
 SEALED = ("snapshot", "checkpoint")
 """Formats in which a change of the content, or of the seal, must be found."""
 
 MENDED = (
-    "HDF5, and VTK for meshes, parsed what they were given; now neither sees a file that warpsph has not checked",
-    "numbers of bodies and materials out of range ended `warpsph info` with a traceback, and so did a summary whose warnings were "
-    "no list or whose wall time was infinite, a history with a cell of more than 131072 characters, and pressures of 1e308 in a frame",
-    "a pipe in place of a history or summary held the program up",
-    "control characters in names of bodies and in messages reached the terminal, dollar signs in names were taken for formulas",
-    "a mesh whose triangles are all there twice passed for closed",
+    "VTK crashed on 103 of 150 spoilt PLY files and 13 of 150 OBJ files, and 76 of 150 PLY files in text ended with a traceback: "
+    "neither VTK nor HDF5 now sees a file that warpsph has not checked",
+    "13 of 150 spoilt snapshots were read with other figures, without a word",
+    "tracebacks: numbers of bodies and materials out of range; a deformation gradient that is not finite, so that the last snapshot "
+    "of a run that went wrong could not be described; pressures of 1e308 in a frame; a summary nested a thousand deep, whose warnings "
+    "were no list, or whose wall time was infinite; a history with a cell of more than 131072 characters",
+    "sums of a state with infinities of both signs ended a resumed run with a traceback",
+    "a pipe in place of a history or a summary held the program up",
+    "control characters in names of bodies and in messages reached the terminal, and dollar signs were taken for formulas",
+    "a mesh that encloses nothing passed, all its triangles being there twice",
 )
 """What this trial, or what was tried on the way to it, found wrong."""
 
@@ -103,7 +110,10 @@ class Victim:
             return {"outcome": "hang", "said": "", "seconds": PATIENCE, "memory": 0}
         answer = self._process.stdout.readline()
         if answer:
-            return json.loads(answer)
+            found = json.loads(answer)
+            if found["memory"] > KEPT:
+                self.close()
+            return found
         code = self._process.wait()
         self.close()
         return {"outcome": "crash", "said": f"exit code {code}", "seconds": 0.0, "memory": 0}
@@ -137,7 +147,7 @@ def _tries(rng: np.random.Generator, good: dict[str, Path], folder: Path, quick:
             yield _written(form, way(rng, data), way.__name__, folder / path.name, form in SEALED)
         if form in SEALED:
             for number in range((2 if quick else 1) * (QUICK if quick else FULL)):
-                way = (mutations.index, mutations.index, mutations.values)[number % 3]
+                way = (mutations.index, mutations.values, mutations.index, mutations.extremes)[number % 4]
                 name = f"{way.__name__}, right seal"
                 yield _written(form, way(rng, data), name, folder / path.name, False)
         yield from _no_files(form, folder, path.suffix)
@@ -173,7 +183,7 @@ def _runs(rng: np.random.Generator, good: dict[str, Path], folder: Path) -> Iter
     """Folders of a run that cannot go on, since its checkpoint is spoilt, with a right seal or without."""
     data = (good["run"] / "checkpoint.h5").read_bytes()
     for number in range(60):
-        way = (mutations.index, mutations.values, mutations.index, mutations.flip)[number % 4]
+        way = (mutations.index, mutations.values, mutations.extremes, mutations.flip)[number % 4]
         path = folder / "run"
         shutil.copytree(good["run"], path)
         (path / "checkpoint.h5").write_bytes(way(rng, data))
@@ -182,9 +192,9 @@ def _runs(rng: np.random.Generator, good: dict[str, Path], folder: Path) -> Iter
 
 def _commands(rng: np.random.Generator, good: dict[str, Path], folder: Path) -> Iterator[Try]:
     """Spoilt files for whole commands: `info`, and `plot` and `render` of a folder."""
-    ways = (mutations.values, mutations.index, mutations.flip)
-    for number in range(24):
-        way = ways[number % 3]
+    ways = (mutations.values, mutations.extremes, mutations.index, mutations.extremes)
+    for number in range(20):
+        way = ways[number % 4]
         yield _written(
             "`warpsph info`",
             way(rng, good["snapshot"].read_bytes()),

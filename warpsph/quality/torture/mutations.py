@@ -107,11 +107,35 @@ def index(rng: np.random.Generator, data: bytes) -> bytes:
 
 def values(rng: np.random.Generator, data: bytes) -> bytes:
     """Numbers of an array are random bits, with a right seal."""
+    return _filled(rng, data, lambda array: rng.bytes(array.nbytes))
+
+
+def extremes(rng: np.random.Generator, data: bytes) -> bytes:
+    """A number in three of an array is huge, infinite, tiny or none, with a right seal."""
+
+    def sprinkle(array: np.ndarray) -> bytes:
+        odd = (
+            (2**31 - 1, -(2**31), -1, 99)
+            if array.dtype.kind == "i"
+            else (np.nan, np.inf, -np.inf, 1e308, -1e308, 1e200, 5e-324)
+        )
+        with np.errstate(over="ignore"):
+            return (
+                np.where(rng.random(array.shape) < 0.3, rng.choice(odd, array.shape), array)
+                .astype(array.dtype)
+                .tobytes()
+            )
+
+    return _filled(rng, data, sprinkle)
+
+
+def _filled(rng: np.random.Generator, data: bytes, fill: Callable[[np.ndarray], bytes]) -> bytes:
+    """A sealed file with other bytes in one of its arrays, as a rule one that warpsph reads."""
     inner, content = _opened(data)
-    name = sorted(inner["arrays"])[rng.integers(len(inner["arrays"]))]
-    kind, shape, start = inner["arrays"][name]
-    end = start + int(np.prod(shape)) * np.dtype(kind).itemsize
-    return _sealed(content[:start] + rng.bytes(end - start) + content[end:], inner)
+    names = [name for name in inner["arrays"] if "Connectivity" not in name and "Offsets" not in name]
+    kind, shape, start = inner["arrays"][names[rng.integers(len(names))]]
+    array = np.frombuffer(content, kind, count=int(np.prod(shape)), offset=start).reshape(shape)
+    return _sealed(content[:start] + fill(array) + content[start + array.nbytes :], inner)
 
 
 BYTES: tuple[Mutation, ...] = (cut, flip, splice, double, drop)
