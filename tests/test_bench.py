@@ -216,11 +216,11 @@ def test_no_case_is_begun_when_the_time_is_up(quick, checkout, tmp_path):
     [
         (
             {"cases": ["euler"]},
-            "case 'euler' is unknown; allowed: eulerian, eulerian-mixed, tl, adaptle, ts2, pm, hvi_2d",
+            "case 'euler' is unknown .did you mean 'eulerian'.*; allowed: eulerian, eulerian-mixed, tl, adaptle, ts2, pm, hvi_2d",
         ),
         ({"precisions": ["half"]}, f"precision 'half' is unknown; allowed: {', '.join(PRECISIONS)}"),
-        ({"sizes": [10]}, "-n 10 is not allowed; allowed: 100 to "),
-        ({"device": "tpu"}, "device 'tpu' does not exist here"),
+        ({"sizes": [10]}, "-n = 10 is out of range; allowed: 100 to "),
+        ({"device": "tpu"}, "device 'tpu' is unknown"),
     ],
 )
 def test_bad_arguments(arguments, message):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from warpsph import lattices
+from warpsph import available, lattices
 from warpsph.errors import InputError
 from warpsph.lattices import Cartesian, CoreAndRings, FaceCentredCubic, Hexagonal, Rings
 from warpsph.overlap import mean_spacing
@@ -147,15 +147,21 @@ def test_a_tiny_disc_is_one_particle_or_few():
         (lambda: Rings("halves"), "allowed: cells, edges"),
         (
             lambda: Hexagonal().fill(Sphere(1.0), 0.1, 3),
-            "does not exist in 3D; allowed: cartesian, face-centred-cubic",
+            "does not go with a problem in 3D; allowed: cartesian, face-centred-cubic",
         ),
-        (lambda: Cartesian().fill(Sphere(1.0), 0.1, 2), "is a 3D shape; allowed: 2D shapes"),
+        (
+            lambda: Cartesian().fill(Sphere(1.0), 0.1, 2),
+            "does not go with a problem in 2D; allowed: shapes in 2D, not in 3D",
+        ),
         (lambda: Cartesian().fill(HalfSpace((0, 0), (1, 0)), 0.1, 2), "unbounded"),
         (
             lambda: Cartesian().fill(Disc(1.0), -0.1, 2),
             "spacing = -0.1 is not allowed; allowed: a positive number",
         ),
-        (lambda: Cartesian().fill(Sphere(1.0), 1e-6, 3), "spacing = 1e-06 is too small"),
+        (
+            lambda: Cartesian().fill(Sphere(1.0), 1e-6, 3),
+            "spacing = 1e-06 m of a lattice gives about 8e+18 particles; building them takes",
+        ),
     ],
 )
 def test_bad_input_is_one_clear_line(call, message):
@@ -163,3 +169,60 @@ def test_bad_input_is_one_clear_line(call, message):
         call()
     assert message in str(error.value)
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("spacing", [1e-9, 1e-300, 5e-324])
+@pytest.mark.parametrize(
+    "lattice, shape",
+    [
+        (Cartesian(), Box(0.0, 1.0)),
+        (Cartesian("integers"), Box((0.0, 0.0), (50 * MM, 2 * MM))),
+        (Cartesian(), Box((0.0, 0.0, 0.0), (5e-10, 1.0, 1.0))),
+        (Hexagonal(), Disc(5 * MM)),
+        (FaceCentredCubic(), Sphere(5 * MM)),
+        (Rings(center=(1.0, 1.0)), Disc(5 * MM)),
+        (CoreAndRings(), Disc(5 * MM)),
+    ],
+)
+def test_a_spacing_far_too_fine_is_refused_before_anything_is_made(lattice, shape, spacing, monkeypatch):
+    """And what is said to be allowed is."""
+    monkeypatch.setattr(available, "on_host", lambda: 30_000_000)
+    made = []
+    monkeypatch.setattr(type(lattice), "points", lambda *_: made.append(True) or np.zeros((1, 3)))
+    with pytest.raises(InputError) as error:
+        lattice.fill(shape, spacing, shape.dim, "body 'plate'")
+    message = str(error.value)
+    assert (
+        not made
+        and "\n" not in message
+        and "of body 'plate' gives" in message
+        and "30 MB are free" in message
+    )
+    allowed = float(message.split("a spacing of ")[1].removesuffix(" m or more"))
+    lattice.fill(shape, allowed, shape.dim)
+    assert made
+    with pytest.raises(InputError):
+        lattice.fill(shape, allowed / 1.3, shape.dim)
+
+
+@pytest.mark.parametrize(
+    "lattice, dim", [("cartesian", 1), ("rings", 2), ("hexagonal", 2), ("face-centred-cubic", 3)]
+)
+def test_points_are_counted_before_they_are_made(lattice, dim):
+    shape = {1: Box(0.0, 1.0), 2: Disc(0.5), 3: Sphere(0.5)}[dim]
+    found, bounds = lattices.get(lattice), shape.bounds()
+    exact = found.fill(shape, 0.02, dim)
+    share = {1: 1.0, 2: np.pi / 4.0, 3: np.pi / 6.0}[dim]
+    assert found.count(bounds, 0.02, dim) * share == pytest.approx(len(exact), rel=0.05)
+
+
+def test_particles_are_held_against_memory_when_they_are_known(monkeypatch):
+    """All points of the box can be made, but all of them are kept."""
+    monkeypatch.setattr(available, "on_host", lambda: 200 * 10_000)
+    with pytest.raises(
+        InputError, match=r"gives about 1e\+04 particles; building them takes 2\.5 MB, 2 MB are free"
+    ):
+        Cartesian().fill(Box((0.0, 0.0), (1.0, 1.0)), 0.01, 2)
+    assert len(Cartesian().fill(Disc(0.5), 0.01, 2)) == 7860
+    monkeypatch.setattr(available, "on_host", lambda: None)
+    assert len(Cartesian().fill(Box((0.0, 0.0), (1.0, 1.0)), 0.01, 2)) == 10_000

@@ -155,7 +155,7 @@ def test_a_missing_scene_lists_the_others(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     for name in ("hvi_2", "hvi_2d.py"):
         with pytest.raises(
-            InputError, match=r"did you mean hvi_2d\?\); allowed: hvi_2d, sod, the path"
+            InputError, match=r"did you mean 'hvi_2d'\?\); allowed: hvi_2d, sod, the path"
         ) as error:
             library.find(name)
         assert one_line(error)
@@ -164,7 +164,7 @@ def test_a_missing_scene_lists_the_others(monkeypatch, tmp_path):
 
 def test_a_folder_is_no_scene(tmp_path):
     (tmp_path / "a.py").mkdir()
-    with pytest.raises(InputError, match="does not exist"):
+    with pytest.raises(InputError, match="is unknown"):
         library.load(tmp_path / "a.py")
 
 

@@ -39,13 +39,16 @@ def test_every_law_of_the_device_has_one_dataclass():
         (lambda: lib.Material("a", 1.0, EOS, lib.Fluid(), pressure_cutoff=1e6), "allowed: zero or negative"),
         (lambda: lib.Material("a", 1.0, lib.Fluid(), EOS), "eos = Fluid.* allowed: LinearElastic, "),
         (lambda: lib.Material("", 1.0, EOS, lib.Fluid()), "name = ''"),
-        (lambda: lib.Material("a", 1.0, lib.IdealGas(1.4), lib.Elastic(G=1.0)), "does not fit an ideal gas"),
+        (
+            lambda: lib.Material("a", 1.0, lib.IdealGas(1.4), lib.Elastic(G=1.0)),
+            "does not go with an ideal gas",
+        ),
         (lambda: lib.moduli(E=1.0, nu=0.5), "nu = 0.5"),
         (
             lambda: lib.JohnsonCook(**JC | {"n": 0.0}),
             "JohnsonCook: n = 0.0 is out of range; allowed: positive",
         ),
-        (lambda: lib.JohnsonCook(**JC | {"Tm": 300.0}), "JohnsonCook: Tm = 300 does not fit T0 = 300"),
+        (lambda: lib.JohnsonCook(**JC | {"Tm": 300.0}), "JohnsonCook: Tm = 300 does not go with T0 = 300"),
         (
             lambda: lib.JohnsonCook(**JC | {"chi": 1.5}),
             "JohnsonCook: chi = 1.5 is out of range; allowed: 0 to 1",
@@ -53,20 +56,20 @@ def test_every_law_of_the_device_has_one_dataclass():
         (lambda: lib.JohnsonCook(**{k: v for k, v in JC.items() if k != "Cv"}), "JohnsonCook: Cv is missing"),
         (
             lambda: lib.JohnsonCookDamage(D1=-0.1, D2=0.1),
-            "D1 = -0.1 does not fit D2 = 0.1; allowed: D1 . D2 above",
+            "D1 = -0.1 does not go with D2 = 0.1; allowed: D1 . D2 above",
         ),
         (lambda: lib.JohnsonCookDamage(D1="x"), "JohnsonCookDamage: D1 = 'x'"),
         (lambda: lib.JohnsonHolmquist1(**JH | {"T": 0.0}), "JohnsonHolmquist1: T = 0.0 .* allowed: negative"),
-        (lambda: lib.JohnsonHolmquist1(**JH | {"P1": -1e9}), "P1 = -1e.09 does not fit T = -7.5e.08"),
-        (lambda: lib.JohnsonHolmquist1(**JH | {"P2": 1e9}), "P2 = 1e.09 does not fit P1 = 2.5e.09"),
-        (lambda: lib.JohnsonHolmquist1(**JH | {"s2": 1e9}), "s2 = 1e.09 does not fit s1 = 7.1e.09"),
+        (lambda: lib.JohnsonHolmquist1(**JH | {"P1": -1e9}), "P1 = -1e.09 does not go with T = -7.5e.08"),
+        (lambda: lib.JohnsonHolmquist1(**JH | {"P2": 1e9}), "P2 = 1e.09 does not go with P1 = 2.5e.09"),
+        (lambda: lib.JohnsonHolmquist1(**JH | {"s2": 1e9}), "s2 = 1e.09 does not go with s1 = 7.1e.09"),
         (lambda: lib.JohnsonHolmquist1(**JH | {"P_max": -1.0}), "JohnsonHolmquist1: P_max = -1.0"),
         (lambda: lib.JohnsonHolmquist1(**JH | {"cf": -1.0}), "JohnsonHolmquist1: cf = -1.0"),
         (
             lambda: lib.Material(
                 "a", 1.0, EOS, lib.PerfectlyPlastic(G=1.0, Y=1.0), damage=lib.JohnsonCookDamage(D1=1.0)
             ),
-            "damage = JohnsonCookDamage does not fit strength = PerfectlyPlastic; allowed: JohnsonCook",
+            "damage = JohnsonCookDamage does not go with strength = PerfectlyPlastic; allowed: JohnsonCook",
         ),
         (
             lambda: lib.Material("a", 1.0, EOS, lib.JohnsonCook(**JC), damage="JC"),
@@ -76,11 +79,11 @@ def test_every_law_of_the_device_has_one_dataclass():
             lambda: lib.Material(
                 "a", 1.0, EOS, lib.get("sic").strength, damage=lib.JohnsonCookDamage(D1=1.0)
             ),
-            "does not fit JohnsonHolmquist1; allowed: None",
+            "does not go with JohnsonHolmquist1; allowed: None",
         ),
         (
             lambda: lib.Material("a", 1.0, EOS, lib.get("sic").strength, pressure_cutoff=-1e9),
-            "pressure_cutoff = -1e.09 does not fit JohnsonHolmquist1",
+            "pressure_cutoff = -1e.09 does not go with JohnsonHolmquist1",
         ),
     ],
 )

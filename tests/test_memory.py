@@ -1,19 +1,34 @@
 """Device memory: what a particle takes, and that thrift changes no number."""
 
+import itertools
+import json
+import re
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import warp as wp
 from tools import PLASTIC, SPACING, by_id, collision, jittered, run, scene
 
-from warpsph import rows
+from warpsph import admission, available, census, exhaustion, rows
 from warpsph.block import Block
 from warpsph.cells import FEWEST_CELLS, PER_PARTICLE, count_cells
 from warpsph.config import Contact, Conversion
+from warpsph.errors import InputError, RunError
 from warpsph.fields import FIELDS
 from warpsph.kernels.cells import ALONG, FEWEST
 from warpsph.kernels.ledger import SUMS
+from warpsph.kernels.spec import Spec
 from warpsph.memory import GENEROUS, THRIFTY, usage
+from warpsph.need import AT_HAND, Need
+from warpsph.neighbours import Neighbours
+from warpsph.particles import Particles
+from warpsph.quality.torture import memory as trial
+from warpsph.quality.torture.trial import Means
+from warpsph.run import run as run_scene
 from warpsph.solver import Solver
+from warpsph.storage import snapshot
 
 MOST = 700
 """Bytes that a particle may take in single precision, with its rows: 57 neighbours within the support."""
@@ -152,3 +167,235 @@ def test_cells_of_a_scene_that_is_nearly_empty():
     """Two particles of millimetres, a hundred kilometres apart in all directions."""
     counts = count_cells(np.array([[0.0, 0.0, 0.0], [1e5, 1e5, 1e5]]), 3, 1e-3)
     assert FEWEST_CELLS // 2 < np.prod(counts) <= FEWEST_CELLS
+
+
+def small(dim=2, **numerics):
+    """A scene of a few particles."""
+    made = scene(dim, **numerics)
+    made.add_body("block", jittered(dim, 9, amount=0.0), "aluminium", velocity=(10.0, 0.0, 0.0))
+    return made
+
+
+@pytest.mark.parametrize("policy", [GENEROUS, THRIFTY], ids=["generous", "thrifty"])
+@pytest.mark.parametrize(
+    ("scheme", "options"),
+    [
+        ("sav1", {}),
+        ("bal-mixed-as", {"contact": Contact(stiffness=0.25)}),
+        ("ts2-mixed", {}),
+        ("tl", {"contact": Contact(stiffness=0.25)}),
+        ("adaptle-mixed", {"conversion": Conversion(strain=0.05), "contact": Contact(stiffness=0.25)}),
+    ],
+)
+def test_the_estimate_is_what_the_solver_takes(scheme, options, policy):
+    """Neighbours of so few particles are all counted: what is left are roundings of memory, and what is not counted."""
+    solver = Solver(collision(2, scheme=scheme, **options).finalize(), policy=policy)
+    assert solver.need.on_device == pytest.approx(sum(usage(solver).values()), rel=0.01)
+    assert solver.need.outputs == 0 and solver.need.particles == solver.particles.n
+
+
+def test_the_estimate_knows_mirror_images_and_copies():
+    made = small()
+    made.add_symmetry_plane("y", -0.5 * SPACING)
+    solver = Solver(made.finalize(), copies=2)
+    assert solver.need.on_device == pytest.approx(sum(usage(solver).values()), rel=0.01)
+    fields = sum(size for name, size in usage(solver).items() if name.startswith("particles."))
+    assert solver.need.device["fields"] == fields
+    assert solver.need.outputs == 2 * fields + AT_HAND * solver.particles.n
+
+
+@pytest.mark.parametrize("planes", [(), ((0, -0.4e-3),), ((0, -0.4e-3), (1, -0.3e-3))])
+@pytest.mark.parametrize("same_body", [False, True])
+def test_neighbours_are_counted_exactly(planes, same_body):
+    """Against all pairs, images and other bodies included."""
+    x = jittered(3, 6, amount=0.1)
+    data = SimpleNamespace(x=x, dim=3, planes=planes, body=(x[:, 2] > 2.4e-3).astype(int))
+    radius, chosen = 2.3e-3, np.array([0, 100, 215])
+    images = [x]
+    for axis, position in planes:
+        images += [np.where(np.arange(3) == axis, 2.0 * position - image, image) for image in images]
+    expected = [
+        sum(
+            int(
+                (
+                    (np.linalg.norm(image - x[i], axis=1) < radius)
+                    & (~same_body | (data.body == data.body[i]))
+                ).sum()
+            )
+            for image in images
+        )
+        - 1
+        for i in chosen
+    ]
+    assert census.neighbours(data, chosen, radius, same_body).tolist() == expected
+
+
+def test_a_sample_is_good_to_a_few_per_cent():
+    data = small(3).finalize()
+    x = jittered(3, 20, amount=0.0)
+    data = replace(data, x=x, body=np.zeros(len(x), dtype=np.int32))
+    counts = census.neighbours(data, census.sample(len(x)), 2.4 * SPACING)
+    inside = np.arange(-2, 3)
+    steps = [s for s in itertools.product(inside, repeat=3) if 0 < np.dot(s, s) < 2.4**2]
+    exact = sum(np.prod([1.0 - abs(c) / 20 for c in s]) for s in steps)
+    assert len(counts) == census.SAMPLE and counts.mean() == pytest.approx(exact, rel=0.03)
+
+
+def test_a_run_says_what_it_needs_before_it_allocates(monkeypatch):
+    said = []
+    monkeypatch.setattr(available, "on_host", lambda: 21_300_000_000)
+    monkeypatch.setattr(Particles, "__init__", lambda *_, **__: said.append("allocated"))
+    with pytest.raises(AttributeError):
+        Solver(small().finalize(), copies=2, say=said.append)
+    assert re.fullmatch(
+        r"81 particles: about \d+ kB on cpu of 21.3 GB free "
+        r"\(fields 30.8 kB, neighbours \d+ kB, work [\d.]+ kB, output copies 74.5 kB\)",
+        said[0],
+    )
+    assert said[1] == "allocated"
+
+
+def test_a_run_that_cannot_fit_is_refused_with_what_would(monkeypatch):
+    made = small(3).finalize()
+    need = Solver(made).need.on_device
+    monkeypatch.setattr(available, "on_host", lambda: int(0.9 * need))
+    with pytest.raises(InputError) as refused:
+        Solver(made)
+    message = str(refused.value)
+    assert re.match(
+        r"729 particles need about [\d.]+ kB on cpu, where [\d.]+ kB are free; allowed: ", message
+    )
+    assert "up to about 656 particles, with a spacing of 0.0011 m, or --precision float32" in message
+    monkeypatch.setattr(available, "on_host", lambda: need // 10)
+    with pytest.raises(InputError, match=r"up to about 72 particles, with a spacing of 0\.0023 m$"):
+        Solver(made)
+    monkeypatch.setattr(available, "on_host", lambda: None)
+    Solver(made)
+
+
+def test_outputs_count_where_they_are_made(monkeypatch):
+    need = Solver(small().finalize(), copies=2).need
+    monkeypatch.setattr(available, "on_host", lambda: need.on_device + need.outputs - 1)
+    with pytest.raises(InputError, match="need about"):
+        Solver(small().finalize(), copies=2)
+    Solver(small().finalize())
+
+
+def test_a_gpu_is_held_against_its_own_memory_and_the_host_against_the_copies(monkeypatch):
+    gpu = SimpleNamespace(is_cuda=True, is_cpu=False, alias="cuda:0")
+    need = Need(1000, {"fields": 600_000}, 2, 100_000, later=50_000)
+    monkeypatch.setattr(available, "on_device", lambda device: 1_000_000)
+    monkeypatch.setattr(available, "on_host", lambda: 90_000)
+    assert admission.line(need, gpu) == (
+        "1000 particles: about 600 kB on cuda:0 of 1 MB free (fields 600 kB), 100 kB on the host of 90 kB free "
+        "(output copies 100 kB); 50 kB more if all of them turn Eulerian"
+    )
+    spec, data = Spec(3, wp.float32, lanes=1), SimpleNamespace(dim=3, spacing=1e-3)
+    with pytest.raises(
+        InputError, match="100 kB on the host, where 90 kB are free; allowed: up to about 900 particles"
+    ):
+        admission.admit(data, need, spec, gpu)
+    with pytest.raises(InputError, match="particles = 268435457 is out of range"):
+        admission.admit(data, replace(need, particles=2**28 + 1), spec, gpu)
+
+
+def files(root, **texts):
+    """Write a system's files."""
+    for name, text in texts.items():
+        path = root / name.replace("__", "/")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+
+
+def test_memory_that_is_to_be_had_is_the_least_of_what_limits_it(tmp_path):
+    assert available.on_host(tmp_path) is None
+    files(tmp_path, proc__meminfo="MemTotal: 9000 kB\nMemAvailable:    5000 kB\n")
+    assert available.on_host(tmp_path) == 5_120_000
+    files(tmp_path, proc__self__cgroup="0::/job/step\n")
+    step, job = tmp_path / "sys/fs/cgroup/job/step", tmp_path / "sys/fs/cgroup/job"
+    step.mkdir(parents=True)
+    for folder, limit, used in ((step, "max", "70"), (job, "4000000", "2500000")):
+        (folder / "memory.max").write_text(limit + "\n")
+        (folder / "memory.current").write_text(used + "\n")
+    (job / "memory.stat").write_text("anon 5\ninactive_file 500000\n")
+    assert available.on_host(tmp_path) == 2_000_000
+    files(tmp_path, proc__self__cgroup="4:cpu,memory:/far\n3:cpu:/\n")
+    old = tmp_path / "sys/fs/cgroup/memory"
+    old.mkdir()
+    (old / "memory.limit_in_bytes").write_text("1000000\n")
+    (old / "memory.usage_in_bytes").write_text("1200000\n")
+    assert available.on_host(tmp_path) == 0
+
+
+def test_the_address_space_is_a_limit(tmp_path):
+    resource = pytest.importorskip("resource")
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (1 << 50, hard))
+    try:
+        files(tmp_path, proc__self__statm="1000 500 1 1 0 1 0\n")
+        assert available.on_host(tmp_path) == (1 << 50) - 1000 * resource.getpagesize() - available.LIBRARIES
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
+def test_rows_that_outgrow_memory_stop_the_run_with_its_last_snapshot(monkeypatch, tmp_path):
+    """The block asks for more than there is in the middle of a run."""
+    grow, asked = Block.grow, []
+
+    def narrow(self, words):
+        if words > self.size and len(asked) > 2:
+            monkeypatch.setattr(available, "on_host", lambda: 1000)
+        asked.append(words)
+        return grow(self, words)
+
+    made = collision(2, speed=900.0)
+    made.until, made.snapshots = 2e-6, 4
+    monkeypatch.setattr(Block, "grow", narrow)
+    build = Neighbours.build
+
+    def crowded(self):
+        if self.builds > 6:
+            self.search._rooms = [1]
+            self.search._starts.zero_()
+            self.block.release()
+        build(self)
+
+    monkeypatch.setattr(Neighbours, "build", crowded)
+    with pytest.raises(RunError) as stopped:
+        run_scene(made, tmp_path / "out", frames=False)
+    message = str(stopped.value)
+    assert re.match(r"no memory for neighbour rows: [\d.]+ kB needed on cpu, where 1 kB are free; ", message)
+    assert "\n" not in message and "test_00" in message and len(snapshot.find(tmp_path / "out")) >= 2
+    assert message.partition(";")[0] in json.loads((tmp_path / "out/summary.json").read_text())["warnings"][0]
+
+
+@pytest.mark.parametrize(
+    "trouble",
+    [
+        MemoryError("Unable to allocate 2 GiB"),
+        RuntimeError("Failed to allocate 7 bytes on device 'cpu'"),
+        ImportError("vtk.so: failed to map segment from shared object (no room to allocate)"),
+    ],
+)
+def test_memory_that_runs_out_elsewhere_stops_the_run_in_one_line(trouble, monkeypatch, tmp_path):
+    monkeypatch.setattr(Solver, "advance", lambda *_: (_ for _ in ()).throw(trouble))
+    with pytest.raises(RunError, match=r"out of memory .*allocate.*last snapshot: .*test_0001") as stopped:
+        with exhaustion.told():  # as the command line does
+            run_scene(small(), tmp_path / "out", frames=False)
+    message = str(stopped.value)
+    assert "\n" not in message and message.count("out of memory") == 1
+
+
+def test_a_block_without_memory_stays_usable(monkeypatch):
+    block = Block(wp.get_device("cpu"))
+    block.grow(1000)
+    monkeypatch.setattr(available, "on_host", lambda: 4096)
+    with pytest.raises(RunError, match=r"8 kB needed on cpu, where 4\.1 kB are free"):
+        block.grow(2000)
+    moved = block.generation
+    assert block.size < 1000 and block.grow(1000) and block.generation == moved + 1
+
+
+def test_the_trial_holds(tmp_path):
+    found = trial.run(Means(tmp_path, True, lambda line: None))
+    assert not found.failed and len(found.rows) == 3

@@ -42,7 +42,7 @@ def test_plot_goes_to_the_folder(tmp_path, rows):
 def test_suffix_gives_the_format(tmp_path):
     write(tmp_path, 5)
     assert "<svg" in plot(tmp_path, tmp_path / "energies.svg").read_text()
-    with pytest.raises(InputError, match=r"'.*plot.jpg' has another format; allowed: .*\.png, \.svg"):
+    with pytest.raises(InputError, match=r"output = '.*plot.jpg' is not allowed; allowed: .*\.png, \.svg"):
         plot(tmp_path, tmp_path / "plot.jpg")
 
 

@@ -104,15 +104,15 @@ def test_movie_without_its_packages(folder, monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"field": "presure"}, "field 'presure' does not exist here; allowed: .*pressure"),
-        ({"view": "iso"}, "view 'iso' does not exist in 2D; allowed: xy"),
+        ({"field": "presure"}, "field 'presure' is unknown .did you mean 'pressure'.*allowed: .*pressure"),
+        ({"view": "iso"}, "2D view 'iso' is unknown; allowed: xy"),
         ({"range": (2.0, 1.0)}, "range"),
         ({"range": (math.nan, 1.0)}, "range"),
-        ({"cut": "y"}, "cut 'y' has no meaning in 2D"),
+        ({"cut": "y"}, "cut = 'y' does not go with a scene in 2D"),
         ({"size": (10, 10)}, "size"),
         ({"every": 0}, "every"),
-        ({"cmap": "rainbows"}, "cmap 'rainbows' does not exist"),
-        ({"movie": "film.avi"}, r"movie 'film.avi'.*\.mp4"),
+        ({"cmap": "rainbows"}, "cmap 'rainbows' is unknown"),
+        ({"movie": "film.avi"}, r"movie = 'film.avi'.*\.mp4"),
     ],
 )
 def test_bad_arguments_write_nothing(folder, arguments, message):

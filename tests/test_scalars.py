@@ -52,7 +52,7 @@ def test_equivalent_strain_needs_the_deformation_gradient():
     state = impact()
     state.fields.pop("F", None)
     assert "equivalent_strain" not in names(state)
-    with pytest.raises(InputError, match="field 'equivalent_strain' does not exist here"):
+    with pytest.raises(InputError, match="field 'equivalent_strain' is unknown"):
         scalar(state, "equivalent_strain")
     state.fields["F"] = np.tile(np.diag([2.0, 1.0, 0.5]), (len(state.x), 1, 1)).astype(np.float32)
     quantity = scalar(state, "equivalent_strain")

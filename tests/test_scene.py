@@ -3,11 +3,12 @@
 import cProfile
 import pstats
 import time
+import tracemalloc
 
 import numpy as np
 import pytest
 
-from warpsph import materials
+from warpsph import materials, overlap
 from warpsph.config import Numerics
 from warpsph.errors import InputError
 from warpsph.lattices import Cartesian, CoreAndRings
@@ -137,6 +138,24 @@ def test_touching_bodies_and_a_plane_half_a_spacing_away_are_fine():
     assert s.finalize().planes == ((1, 0.0), (0, 2.0))
 
 
+def test_close_pairs_are_compared_some_at_a_time(monkeypatch):
+    x = np.random.default_rng(5).uniform(size=(300, 2))
+    whole = close_pairs(x, 0.1)
+    monkeypatch.setattr(overlap, "_MANY", 7)
+    assert len(whole[0]) > 4 * len(x)  # it would stop there
+    monkeypatch.setattr(overlap, "_ENOUGH", 1000)
+    np.testing.assert_array_equal(close_pairs(x, 0.1), whole)
+
+
+def test_a_crowd_at_one_place_takes_no_memory_for_each_pair():
+    """Fifty thousand points would make a billion pairs."""
+    tracemalloc.start()
+    i, j = close_pairs(np.zeros((50_000, 3)), 1e-3)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert (i < j).all() and len(i) > 1 << 20 and peak < 3e8
+
+
 def test_close_pairs_agree_with_all_pairs():
     rng = np.random.default_rng(3)
     for dim in (1, 2, 3):
@@ -253,7 +272,10 @@ BAD = {
     "energy": (lambda: two_bodies(square(), internal_energy=np.nan), "internal_energy of body 'ball' = nan"),
     "lattice": (lambda: two_bodies(square(), lattice="cubic"), "lattice 'cubic' is unknown"),
     "lattice of points": (lambda: two_bodies(GRID, lattice="rings"), "lattice of body 'ball' = 'rings'"),
-    "dimension": (lambda: two_bodies(Sphere(1.0)), "is a 3D shape; allowed: 2D shapes"),
+    "dimension": (
+        lambda: two_bodies(Sphere(1.0)),
+        "does not go with a problem in 2D; allowed: shapes in 2D, not in 3D",
+    ),
     "empty": (lambda: two_bodies(square(size=0.01)), "body 'ball' has no particles"),
     "empty cut": (lambda: two_bodies(square() - Disc(9.0)), "body 'ball' has no particles"),
     "material": (
@@ -261,7 +283,10 @@ BAD = {
         "material 'unobtainium' is unknown",
     ),
     "material type": (lambda: scene().add_body("c", square(), 3), "material of body 'c' = 3"),
-    "material name": (lambda: same_name_twice().finalize(), "material 'metal' stands for two sets"),
+    "material name": (
+        lambda: same_name_twice().finalize(),
+        "material 'metal' does not go with another of that name",
+    ),
     "velocity size": (lambda: two_bodies(square(), velocity=(1, 2, 3, 4)), "velocity of body 'ball'"),
     "velocity nan": (lambda: two_bodies(square(), velocity=(np.nan, 0)), "velocity of body 'ball'"),
     "velocity off plane": (lambda: two_bodies(square(), velocity=(0, 0, 1)), "zeros beyond the 2D problem"),
@@ -269,14 +294,14 @@ BAD = {
         lambda: two_bodies(square(), velocity=lambda x: x / 0.0 * np.inf),
         "velocity of body 'ball'",
     ),
-    "velocity count": (lambda: two_bodies(square(), velocity=np.zeros((7, 2))), "is given for 7 particles"),
+    "velocity count": (lambda: two_bodies(square(), velocity=np.zeros((7, 2))), "= 7 is not allowed"),
     "velocity text": (lambda: two_bodies(square(), velocity="fast"), "velocity of body 'ball' = 'fast'"),
     "volume": (lambda: two_bodies(square(), volume=0.0), "volume of body 'ball' = 0.0"),
     "volume count": (lambda: two_bodies(square(), volume=[1.0, 2.0]), "a positive number, or 100 of them"),
     "shape": (lambda: two_bodies("disc"), "points of body 'ball' = 'disc'"),
     "points shape": (
         lambda: two_bodies(np.zeros((5, 4))),
-        "shape (5, 4) is not allowed; allowed: (n, 2) or (n, 3)",
+        "= (5, 4) is not allowed; allowed: (n, 2) or (n, 3)",
     ),
     "points off plane": (lambda: two_bodies(GRID + np.array([0, 0, 0.1])), "points of body 'ball', number 0"),
     "points nan": (lambda: two_bodies(GRID * np.nan), "points of body 'ball', number 0"),

@@ -196,7 +196,7 @@ def test_bad_meshes_are_refused_in_one_line(tmp_path, capfd, caplog, recwarn):
         (lambda: Cylinder((0, 0, 0), (0, 0, 0), 1.0), "end of Cylinder"),
         (lambda: Cone((0, 0, 0), (0, 0, 1), 1.0, -0.1), "end_radius of Cone = -0.1"),
         (lambda: HalfSpace((0, 0), (0, 0)), "towards of HalfSpace"),
-        (lambda: Disc(1.0) | Sphere(1.0), "cannot be combined"),
+        (lambda: Disc(1.0) | Sphere(1.0), "allowed: shapes of the same dimension"),
         (
             lambda: Disc(1.0).rotate("x", 10.0),
             "axis of rotation = 'x' is not allowed; allowed: \"z\" for a 2D shape",

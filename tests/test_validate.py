@@ -212,5 +212,7 @@ def test_scheme_is_one_of_the_table(scheme):
 
 
 def test_unknown_scheme():
-    with pytest.raises(InputError, match=r"scheme 'sav3' is unknown; allowed: sav1, sav1-as"):
+    with pytest.raises(
+        InputError, match=r"scheme 'sav3' is unknown .did you mean 'sav2'.*; allowed: sav1, sav1-as"
+    ):
         HVI.build(scheme="sav3")

@@ -2,6 +2,9 @@
 
 import warp as wp
 
+from . import available
+from .messages import machine
+
 LINE = wp.types.vector(16, wp.int32)
 """64 bytes, to which the start of a view is rounded. Counted in these, an array may be larger than 2^31 words."""
 
@@ -35,12 +38,23 @@ class Block:
         return LINE._length_ * self.lines.size
 
     def grow(self, words: int) -> bool:
-        """Make it at least so many words long; where it has to move (True) what was in it is lost."""
+        """Make it at least so many words long; where it has to move (True) what was in it is lost.
+
+        Raises:
+            RunError: There is no memory for it; it is then as short as at the start, and what needs more fails again.
+        """
         if words <= self.size:
             return False
-        self.lines = None  # the old memory goes before the new comes
-        self.lines = wp.empty(-(-words // LINE._length_), dtype=LINE, device=self._device)
-        self.generation += 1
+        self.release()  # the old memory goes before the new comes
+        lines = -(-words // LINE._length_)
+        need = lines * wp.types.type_size_in_bytes(LINE)
+        free = available.on_device(self._device)
+        try:
+            if free is not None and need > free and self._device.is_cpu:
+                raise MemoryError  # the system would hand it out, and end the process when it is filled
+            self.lines = wp.empty(lines, dtype=LINE, device=self._device)
+        except (MemoryError, RuntimeError):
+            raise machine.used_up("neighbour rows", need, self._device.alias, free) from None
         return True
 
     def release(self) -> None:

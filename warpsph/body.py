@@ -7,8 +7,8 @@ import numpy as np
 
 from . import checks
 from .checks import vector3
-from .errors import InputError
 from .materials import Material
+from .messages import bodies, values
 from .overlap import mean_spacing
 
 Velocity = tuple[float, ...] | np.ndarray | Callable[[np.ndarray], np.ndarray]
@@ -79,10 +79,7 @@ def given_points(name: str, points: object, spacing: float, dim: int) -> np.ndar
     x = _in_space(what, array.reshape(-1, 1) if dim == 1 and array.ndim == 1 else array, dim)
     distance = mean_spacing(x) if len(x) > 1 else spacing
     if abs(distance - spacing) > SPACING_DEVIATION * spacing:
-        raise InputError(
-            f"points of body {name!r} are {distance:.4g} m apart on average; allowed: "
-            f"the scene's spacing of {spacing:g} m within {SPACING_DEVIATION:.0%}, for all bodies share it"
-        )
+        raise bodies.apart(name, distance, spacing, SPACING_DEVIATION)
     return x
 
 
@@ -100,9 +97,7 @@ def initial_velocity(name: str, velocity: Velocity, x: np.ndarray, dim: int) -> 
         vector = vector3(checks.vector(what, array, *sorted({dim, 3})))
         return np.broadcast_to(_in_space(what, vector[None], dim), (len(x), 3)).copy()
     if len(array) != len(x):
-        raise InputError(
-            f"{what} is given for {len(array)} particles; allowed: one vector, or one for each of {len(x)}"
-        )
+        raise values.refuse(f"length of {what}", len(array), f"one vector, or one for each of {len(x)}")
     return _in_space(what, array, dim)
 
 
@@ -141,7 +136,7 @@ def _in_space(what: str, array: np.ndarray, dim: int) -> np.ndarray:
         InputError: If the shape is another one, or a vector is not finite or points out of the problem's space.
     """
     if array.ndim != 2 or len(array) == 0 or array.shape[1] not in (dim, 3):
-        raise InputError(f"{what}: shape {array.shape} is not allowed; allowed: (n, {dim}) or (n, 3)")
+        raise values.refuse(f"shape of {what}", array.shape, f"(n, {dim}) or (n, 3)")
     full = np.zeros((len(array), 3))
     full[:, : array.shape[1]] = array
     if not np.isfinite(full).all() or full[:, dim:].any():

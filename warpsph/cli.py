@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import App, CycloptsError, Group, Parameter, UnusedCliTokensError
 
-from . import __version__, library
+from . import __version__, exhaustion, library
 from .errors import InputError, RunError
 from .library import SceneFile
 from .messages.values import printable
@@ -63,7 +63,8 @@ def run_file(path: str) -> None:
 def _exit_code(make: Callable[[], App], tokens: list[str]) -> int:
     """Run an application; every expected failure becomes one line on stderr and its exit code."""
     try:
-        make()(tokens, exit_on_error=False, print_error=False, verbose=False)
+        with exhaustion.told():
+            make()(tokens, exit_on_error=False, print_error=False, verbose=False)
     except UnusedCliTokensError as error:
         return _complain(f"unexpected argument {(error.unused_tokens or ['?'])[0]!r}", INPUT)
     except (CycloptsError, InputError) as error:

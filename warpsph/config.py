@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from . import checks
-from .errors import InputError
+from .messages import values
 
 KERNELS = ("cubic_spline", "quintic_spline", "wendland_c2", "wendland_c4", "gaussian")
 """Smoothing kernels of method section 1."""
@@ -53,10 +53,8 @@ class Contact:
         """
         given = {name: value for name, value in vars(self).items() if value is not None}
         if len(given) != 1:
-            raise InputError(
-                f"Contact: {'stiffness and modulus are both given' if given else 'there is no stiffness'}; allowed: "
-                "either stiffness (k, about 0.25) or modulus (Kc in Pa/m^dim)"
-            )
+            allowed = "one of them: stiffness (k, about 0.25) or modulus (Kc in Pa/m^dim)"
+            raise values.refuse("stiffness, modulus of Contact", (self.stiffness, self.modulus), allowed)
         for name, value in given.items():
             checks.positive(f"{name} of Contact", value)
 
@@ -89,7 +87,7 @@ class Conversion:
             InputError: Naming the field, the value and what is allowed.
         """
         if self.strain is None and not self.damage and self.criterion is None:
-            raise InputError("Conversion: there is no criterion; allowed: strain, damage or criterion")
+            raise values.missing("criterion of Conversion", "strain, damage or criterion")
         for name in ("strain", "radius"):
             if getattr(self, name) is not None:
                 checks.positive(f"{name} of Conversion", getattr(self, name))
@@ -169,7 +167,7 @@ class Numerics:
         }
         for name, allowed in choices.items():
             if getattr(self, name) not in allowed:
-                raise InputError(f"{name} {getattr(self, name)!r} is unknown; allowed: {', '.join(allowed)}")
+                raise values.unknown(name, getattr(self, name), allowed)
         ranges = {
             "smoothing_ratio": (0.8, 3.0),
             "cfl": (0.0, 1.0),
@@ -183,9 +181,7 @@ class Numerics:
             if getattr(self, name) is None:
                 continue
             if not low <= getattr(self, name) <= high or (name == "cfl" and self.cfl == 0.0):
-                raise InputError(
-                    f"{name} = {getattr(self, name)!r} is out of range; allowed: {low} to {high}"
-                )
+                raise values.outside(name, getattr(self, name), f"{low} to {high}")
         for name, kind in (("contact", Contact), ("conversion", Conversion)):
             if not isinstance(getattr(self, name), kind | None):
                 raise checks.refuse(name, getattr(self, name), f"warpsph.config.{kind.__name__}(...) or None")

@@ -12,7 +12,7 @@ from typing import Any
 
 import warp as wp
 
-from . import __version__
+from . import __version__, exhaustion
 from .balance import Balance, energy
 from .clock import Reading
 from .errors import RunError
@@ -94,10 +94,10 @@ class Job:
         self.progress.start(self.until, self.solver.reading.time)
         before = signal.signal(signal.SIGINT, self._on_interrupt) if _in_main_thread() else None
         try:
-            with self._writer:
+            with exhaustion.told(), self._writer:
                 self._steps()
         except RunError as error:
-            with contextlib.suppress(RunError):  # a full disk takes no last words
+            with contextlib.suppress(RunError), exhaustion.told():  # a full disk takes no last words
                 self._last_words(str(error))
             written = snapshot.find(self.out)
             raise RunError(f"{error}; last snapshot: {written[-1] if written else 'none'}") from error
@@ -224,7 +224,10 @@ class Job:
         now, data, ledger = self.solver.reading, self.data, self.solver.ledger()
         self.balance.update(ledger)
         n, steps = len(data.x), max(now.steps, 1)
-        neighbours = sum([*self.neighbours, self.solver.mean_neighbours()]) / (len(self.neighbours) + 1)
+        counts = list(self.neighbours)
+        with contextlib.suppress(RunError):  # rows that outgrew memory are not counted
+            counts.append(self.solver.mean_neighbours())
+        neighbours = sum(counts) / len(counts)
         per_step = 1e9 * self.step_wall / (n * steps)
         clipped = int(ledger["eos_clipped"])
         warnings = list(self.warnings)
@@ -248,8 +251,10 @@ class Job:
         """Draw the frames; a machine that cannot draw has still run the scene."""
         from .render import render
 
+        self._rooms.clear()  # there are no more outputs, and drawing takes as much
         try:
-            render(self.out)
+            with exhaustion.told():
+                render(self.out)
         except RunError as error:
             self.warnings.append(f"no frames: {error}")
             summary["warnings"].append(self.warnings[-1])

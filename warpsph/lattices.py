@@ -5,16 +5,16 @@ of particles; it nears density times the shape's volume as the spacing shrinks. 
 spacing of a shape's surface count as on it, so that round-off never decides.
 """
 
-import difflib
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from . import checks
+from . import available, checks
 from .checks import vector3
-from .errors import InputError
+from .messages import bodies, machine, values
 from .shapes import Shape
 
 ROUND_OFF = 1e-6
@@ -22,6 +22,12 @@ ROUND_OFF = 1e-6
 
 MOST_POINTS = 2**31 - 1
 """Particle numbers are 32-bit integers."""
+
+PER_POINT = 100
+"""Bytes that finding the points of a lattice in a shape takes for each in its bounding box, about."""
+
+PER_PARTICLE = 250
+"""Bytes that a body takes for each particle until the scene is finished, about."""
 
 
 class Lattice(ABC):
@@ -33,31 +39,59 @@ class Lattice(ABC):
 
     dims: tuple[int, ...]
 
-    def fill(self, shape: Shape, spacing: float, dim: int) -> np.ndarray:
+    def fill(self, shape: Shape, spacing: float, dim: int, what: str = "a lattice") -> np.ndarray:
         """Give the lattice points inside a shape [m], shape [n, 3]; the unused coordinates are zero.
 
         Args:
             shape: What to fill.
             spacing: Distance between nearest points [m].
             dim: Space dimension of the problem.
+            what: What is filled, for messages.
 
         Raises:
-            InputError: If shape or lattice do not fit the dimension, or the shape is unbounded.
+            InputError: If shape or lattice do not fit the dimension, the shape is unbounded, or there are more points
+                than memory has room for: known, and refused, before they are made.
         """
         checks.positive("spacing", spacing)
         if shape.dim != dim:
-            raise InputError(
-                f"{shape} is a {shape.dim}D shape; allowed: {dim}D shapes, as the problem is {dim}D"
-            )
+            raise values.clash(str(shape), f"a problem in {dim}D", f"shapes in {dim}D, not in {shape.dim}D")
         if dim not in self.dims:
             allowed = ", ".join(name for name, other in LATTICES.items() if dim in other.dims)
-            raise InputError(f"lattice {self} does not exist in {dim}D; allowed: {allowed}")
+            raise values.clash(f"lattice {self}", f"a problem in {dim}D", allowed)
         bounds = shape.bounds()
         if not np.isfinite(bounds[:, :dim]).all():
-            raise InputError(f"{shape} is unbounded; allowed: a half-space only to cut a finite shape")
+            raise bodies.unbounded(shape)
+        self._check_room(bounds, spacing, dim, what)
         points = self.points(bounds, spacing, dim)
         inside = shape.contains(points, ROUND_OFF * spacing)
-        return points if inside.all() else points[inside]
+        kept = int(np.count_nonzero(inside))
+        free = available.on_host()
+        if free is not None and PER_PARTICLE * kept > free:
+            fits = coarse(spacing * (PER_PARTICLE * kept / max(free, 1)) ** (1.0 / dim))
+            allowed = f"a spacing of {fits:g} m or more"
+            raise machine.too_fine(spacing, what, kept, PER_PARTICLE * kept, free, allowed)
+        return points if kept == len(points) else points[inside]
+
+    def count(self, bounds: np.ndarray, spacing: float, dim: int) -> float:
+        """About how many points cover a bounding box [m], shape [2, 3]; infinite where there is no number for them."""
+        lengths = np.ptp(self.covered(bounds), axis=0)[:dim].tolist()
+        return math.prod(max(length / spacing, 1.0) for length in lengths) / self.cell_volume(1.0, dim)
+
+    def covered(self, bounds: np.ndarray) -> np.ndarray:
+        """The box [m], shape [2, 3], that the points for a bounding box fill: itself unless a lattice says otherwise."""
+        return bounds
+
+    def _check_room(self, bounds: np.ndarray, spacing: float, dim: int, what: str) -> None:
+        """Refuse more points than there is memory for, or than can be numbered."""
+        free, points = available.on_host(), self.count(bounds, spacing, dim)
+        most = MOST_POINTS if free is None else min(max(free // PER_POINT, 1), MOST_POINTS)
+        if points <= most:
+            return
+        fits = float(np.ptp(self.covered(bounds), axis=0).max())
+        while self.count(bounds, 0.98 * fits, dim) <= most:
+            fits *= 0.98
+        allowed = f"a spacing of {coarse(fits):g} m or more"
+        raise machine.too_fine(spacing, what, points, PER_POINT * points, free, allowed)
 
     @abstractmethod
     def points(self, bounds: np.ndarray, spacing: float, dim: int) -> np.ndarray:
@@ -163,6 +197,10 @@ class Rings(Lattice):
         _check_choice("Rings", self.at, ("cells", "edges"))
         _check_center("Rings", self)
 
+    def covered(self, bounds):
+        """See `Lattice.covered`."""
+        return _square(bounds, self.center)
+
     def points(self, bounds, spacing, dim):
         """See `Lattice.points`."""
         center, radius = _center_and_radius(bounds, self.center)
@@ -191,17 +229,26 @@ class CoreAndRings(Lattice):
     def __post_init__(self):
         _check_center("CoreAndRings", self)
 
+    def covered(self, bounds):
+        """See `Lattice.covered`."""
+        return _square(bounds, self.center)
+
     def points(self, bounds, spacing, dim):
         """See `Lattice.points`."""
         center, radius = _center_and_radius(bounds, self.center)
         outer = radius / spacing
-        square = np.array((center - radius, center + radius))
+        square = _square(bounds, self.center)
         core = Cartesian("integers", tuple(center)).points(square, spacing, dim)
         core = core[np.linalg.norm(core - center, axis=1) < (outer - 2.0 - ROUND_OFF) * spacing]
         rings = [_ring(radius, round(2.0 * np.pi * outer))]
         if outer > 1.0:
             rings.append(_ring(radius - spacing, int(2.0 * np.pi * (outer - 1.0) + ROUND_OFF)))
         return np.concatenate([center + ring for ring in rings] + [core])
+
+
+def coarse(spacing: float) -> float:
+    """A spacing [m] rounded up to two digits."""
+    return float(f"{1.05 * spacing:.1e}")
 
 
 def _check_choice(kind: str, at: str, allowed: tuple[str, ...]) -> None:
@@ -226,15 +273,8 @@ def _grid(axes: list[tuple[float, float, float, float]]) -> np.ndarray:
 
     Args:
         axes: Origin, first index, number of points and pitch along every axis; no points if a number is not positive.
-
-    Raises:
-        InputError: If there are more points than particles can be numbered.
     """
     counts = [max(count, 0) for _, _, count, _ in axes]
-    if np.prod(counts) > MOST_POINTS:
-        raise InputError(
-            f"spacing = {axes[0][3]:g} is too small: {np.prod(counts):.3g} lattice points; allowed: {MOST_POINTS}"
-        )
     index = np.ogrid[tuple(slice(int(count)) for count in counts)]
     points = np.zeros((*map(int, counts), 3))
     for axis, (origin, first, _, pitch) in enumerate(axes):
@@ -253,6 +293,12 @@ def _center_and_radius(bounds: np.ndarray, center: tuple[float, ...] | None) -> 
     """Centre of rings [m], shape [3], and the outer radius [m]."""
     middle = vector3(tuple(bounds.mean(axis=0)[:2]) if center is None else center)
     return middle, float(np.abs(bounds - middle)[:, :2].max())
+
+
+def _square(bounds: np.ndarray, center: tuple[float, ...] | None) -> np.ndarray:
+    """Box around rings [m], shape [2, 3]."""
+    middle, radius = _center_and_radius(bounds, center)
+    return np.array((middle - radius, middle + radius))
 
 
 def _ring(radius: float, count: int) -> np.ndarray:
@@ -283,6 +329,4 @@ def get(lattice: str | Lattice) -> Lattice:
         return lattice
     if isinstance(lattice, str) and lattice in LATTICES:
         return LATTICES[lattice]
-    close = difflib.get_close_matches(str(lattice), LATTICES, 1)
-    hint = f" (did you mean {close[0]!r}?)" if close else ""
-    raise InputError(f"lattice {lattice!r} is unknown{hint}; allowed: {', '.join(LATTICES)}, or a Lattice")
+    raise values.unknown("lattice", lattice, LATTICES, "or a Lattice")

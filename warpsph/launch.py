@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import warp as wp
 
-from .errors import InputError
+from .messages import values
 from .team import Team
 
 SLICES_PER_THREAD = 2
@@ -94,9 +94,7 @@ class Launcher:
         self.device = find_device(device)
         cores = count_cores()
         if threads is not None and threads < 1:
-            raise InputError(
-                f"threads = {threads} is out of range; allowed: 1 or more (this machine has {cores})"
-            )
+            raise values.outside("threads", threads, f"1 or more (this machine has {cores})")
         self.threads = 1 if self.device.is_cuda else (threads or cores)
         self._team = Team(self.threads) if self.threads > 1 else None
 
@@ -197,5 +195,5 @@ def find_device(name: str) -> wp.Device:
     if name == "cuda" and wp.is_cuda_available():
         name = wp.get_preferred_device().alias
     if name not in available:
-        raise InputError(f"device {name!r} does not exist here; allowed: {', '.join(available)}")
+        raise values.unknown("device", name, available)
     return wp.get_device(name)

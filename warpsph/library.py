@@ -1,7 +1,6 @@
 """Find and load scenes: bundled ones by name, a user's own by path."""
 
 import contextlib
-import difflib
 import inspect
 import sys
 import traceback
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from .errors import InputError, RunError
+from .messages import scripts, values
 from .storage import text
 
 if TYPE_CHECKING:
@@ -67,9 +67,7 @@ class SceneParameter:
         try:
             return _convert(self.annotation, value)
         except (TypeError, OverflowError):
-            raise InputError(
-                f"parameter {self.name} = {value!r} is not valid; allowed: {self.kind}"
-            ) from None
+            raise values.refuse(f"parameter {self.name}", value, self.kind) from None
 
 
 @dataclass(frozen=True)
@@ -92,20 +90,19 @@ class SceneFile:
     parameters: dict[str, SceneParameter]
     function: Callable
 
-    def build(self, /, **values: Any) -> "Scene":
+    def build(self, /, **given: Any) -> "Scene":
         """Build the scene, with the defaults for parameters that are not given.
 
         Raises:
             InputError: For an unknown parameter, a bad value, or anything that goes wrong in the file.
         """
-        for name in values.keys() - self.parameters.keys():
-            allowed = ", ".join(self.parameters) or "none"
-            raise InputError(f"parameter {name!r} is unknown to scene {self.name}; allowed: {allowed}")
-        checked = {name: self.parameters[name].check(value) for name, value in values.items()}
+        for name in given.keys() - self.parameters.keys():
+            raise values.unknown(f"parameter of scene {self.name}", name, self.parameters or ["none"])
+        checked = {name: self.parameters[name].check(value) for name, value in given.items()}
         with _user_code(self.path):
             scene = self.function(**checked)
         if not hasattr(scene, "finalize"):
-            raise InputError(f"{self.path}: build() returned {scene!r}; it must return a warpsph Scene")
+            raise scripts.no_scene(self.path, scene)
         return scene
 
 
@@ -132,10 +129,7 @@ def find(name_or_path: str | Path) -> Path:
     path = Path(text)
     if path.suffix == ".py" and path.is_file():
         return path.resolve()
-    close = difflib.get_close_matches(path.stem, names(), n=1)
-    hint = f" (did you mean {close[0]}?)" if close else ""
-    allowed = ", ".join([*names(), "the path of a .py file"])
-    raise InputError(f"scene {text!r} does not exist{hint}; allowed: {allowed}")
+    raise values.unknown("scene", text, names(), "the path of a .py file")
 
 
 def load(name_or_path: str | Path) -> SceneFile:
@@ -149,9 +143,7 @@ def load(name_or_path: str | Path) -> SceneFile:
     module = _execute(path, source)
     build = getattr(module, "build", None)
     if not inspect.isfunction(build):
-        raise InputError(
-            f"scene file {path} has no function build(...); it must define one that returns a Scene"
-        )
+        raise scripts.no_build(path)
     summary = (inspect.getdoc(module) or "").partition("\n")[0]
     return SceneFile(path.stem, path, source, summary, _parameters(path, build), build)
 
@@ -161,9 +153,9 @@ def _execute(path: Path, source: str) -> types.ModuleType:
     try:
         code = compile(source, str(path), "exec")
     except SyntaxError as error:
-        raise InputError(f"{path}, line {error.lineno}: syntax error: {error.msg}") from error
+        raise scripts.syntax(path, error) from error
     except (ValueError, RecursionError, MemoryError) as error:
-        raise InputError(f"{path}: not a Python file: {error}") from error
+        raise scripts.no_python(path, error) from error
     module = types.ModuleType(f"warpsph_scene_{path.stem}")
     module.__file__ = str(path)
     sys.modules[module.__name__] = module
@@ -183,8 +175,7 @@ def _user_code(path: Path) -> Iterator[None]:
     except Exception as error:
         frames = traceback.extract_tb(error.__traceback__)
         lines = [frame.lineno for frame in frames if frame.filename == str(path)]
-        where = f"{path}, line {lines[-1]}" if lines else str(path)
-        raise InputError(f"{where}: {type(error).__name__}: {error}") from error
+        raise scripts.failed(path, lines[-1] if lines else None, error) from error
     finally:
         sys.path.remove(str(path.parent))
 
@@ -202,14 +193,14 @@ def _parameters(path: Path, build: Callable) -> dict[str, SceneParameter]:
             entry.kind not in (entry.POSITIONAL_OR_KEYWORD, entry.KEYWORD_ONLY)
             or entry.default is entry.empty
         ):
-            raise InputError(f"{path}: parameter {entry} of build() needs a name and a default value")
+            raise scripts.no_default(path, entry)
         parameter = SceneParameter(
             name, hints.get(name, type(entry.default)), entry.default, told.get(name, "")
         )
         try:
             parameter.check(entry.default)
         except InputError as error:
-            raise InputError(f"{path}: default of build(): {error}") from None
+            raise scripts.bad_default(path, error) from None
         parameters[name] = parameter
     return parameters
 

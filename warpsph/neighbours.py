@@ -5,7 +5,6 @@ import warp as wp
 
 from .block import Block
 from .cells import CellList, count_cells
-from .errors import InputError
 from .kernels.neighbours import make_neighbours
 from .launch import Launcher, Pieces
 from .memory import Policy
@@ -71,13 +70,8 @@ class Neighbours:
             skin: Verlet skin [m].
             selective: There are Lagrangian particles.
             searching: Rows are needed at all: a single Lagrangian body needs none.
-
-        Raises:
-            InputError: There are more particles than an entry can name.
         """
         spec, n = particles.spec, particles.n
-        if n > MAX_PARTICLES:
-            raise InputError(f"particles = {n} is out of range; allowed: up to {MAX_PARTICLES} on one device")
         self._particles, self._launcher = particles, launcher
         self._selective, self._searching = selective, searching
         self.tiles = Tiles(particles, launcher, spacing, selective)
@@ -122,6 +116,7 @@ class Neighbours:
             return
         self._sort()
         if self.builds == 0 or (self.builds % SORT_EVERY == 0 and not self._selective):
+            self.block.views((p.largest, p.n))  # all fields move, or none if there is no memory for it
             p.reorder(self.cells.order, lambda dtype: self.block.views((dtype, p.n))[0])
             self._sort()
         self.builds += 1

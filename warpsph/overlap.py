@@ -1,10 +1,17 @@
 """Distances between the particles of a scene: which are too close, and how far apart neighbours are."""
 
 import itertools
+from collections.abc import Iterator
 
 import numpy as np
 
 _ONE = np.uint64(1)
+
+_MANY = 1 << 20
+"""Pairs that are compared at a time."""
+
+_ENOUGH = 4
+"""Close pairs for each point after which no more are looked for: where all are at one place, nothing would hold them."""
 
 _SAMPLE = 1000
 """Particles whose nearest neighbour is looked up; a mean over so many is good to a few per cent."""
@@ -21,16 +28,18 @@ def close_pairs(x: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray]
         distance: Distance [m].
 
     Returns:
-        The indices of the two points of every pair, each of shape [pairs], the lower one first, in rising order.
+        The indices of the two points of every pair, each of shape [pairs], the lower one first, in rising order. Where
+        there are a million, and more than a few for each point, only these.
     """
     key, steps = _cells(x, distance)
     order = np.argsort(key, kind="stable")  # a lattice is sorted as it comes, which is soon seen
     key = key[order]
-    found = [_near(x, distance, order, *_up_to(key, np.arange(1, len(key) + 1), key + _ONE))]
-    for step in steps:
-        target = key + step
-        first = np.searchsorted(key, target - _ONE)
-        found.append(_near(x, distance, order, *_up_to(key, first, target + _ONE)))
+    found, pairs = [np.empty((2, 0), dtype=np.intp)], 0
+    for i, j in _candidates(key, steps):
+        found.append(_near(x, distance, order, i, j))
+        pairs += found[-1].shape[1]
+        if pairs > max(_ENOUGH * len(x), _MANY):
+            break
     first, second = np.sort(np.concatenate(found, axis=1), axis=0)
     order = np.lexsort((second, first))
     return first[order], second[order]
@@ -74,12 +83,24 @@ def _cells(x: np.ndarray, distance: float) -> tuple[np.ndarray, list[np.uint64]]
     return key, [np.uint64(sum(a * b for a, b in zip(row, strides, strict=False)) % 2**64) for row in ahead]
 
 
-def _up_to(key: np.ndarray, first: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """List every (i, j) with j from ``first[i]`` on and ``key[j]`` up to ``last[i]``, of rising keys."""
+def _candidates(key: np.ndarray, steps: list[np.uint64]) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Give the places of points in the same cells and in neighbouring ones, of rising keys."""
+    yield from _up_to(key, np.arange(1, len(key) + 1), key + _ONE)
+    for step in steps:
+        target = key + step
+        yield from _up_to(key, np.searchsorted(key, target - _ONE), target + _ONE)
+
+
+def _up_to(key: np.ndarray, first: np.ndarray, last: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Give every (i, j) with j from ``first[i]`` on and ``key[j]`` up to ``last[i]``, of rising keys, some at a time."""
     i = np.flatnonzero((first < len(key)) & (key.take(first, mode="clip") <= last))  # most find none
     count = np.searchsorted(key, last[i], "right") - first[i]
-    start = np.repeat(first[i] - (np.cumsum(count) - count), count)
-    return np.repeat(i, count), start + np.arange(len(start))
+    ends = np.cumsum(count)
+    cuts = np.searchsorted(ends, np.arange(_MANY, int(count.sum()), _MANY))
+    for some in np.split(np.arange(len(i)), np.unique(cuts)):
+        length = count[some]
+        start = np.repeat(first[i[some]] - (np.cumsum(length) - length), length)
+        yield np.repeat(i[some], length), start + np.arange(len(start))
 
 
 def _near(x: np.ndarray, distance: float, order: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:

@@ -19,6 +19,14 @@ WIDTH = {"int": (), "real": (), "vec": (3,), "point": (3,), "mat": (3, 3), "sym"
 """Shape of one entry by a field's kind; ``parts`` has as many numbers as the run has parts."""
 
 
+def element_types(spec: Spec, parts: Parts) -> dict[str, type]:
+    """Type of one entry on the device by a field's kind."""
+    return {
+        "int": wp.int32, "real": spec.real, "vec": spec.vec, "point": spec.point, "mat": spec.mat, "sym": spec.sym,
+        "parts": part_types(spec, len(parts)).power,
+    }  # fmt: skip
+
+
 class Particles:
     """Device arrays named by the symbols of `warpsph.fields`, all of length ``n``.
 
@@ -49,10 +57,7 @@ class Particles:
         self.n, self.spec, self._launcher = len(data.x), spec, launcher
         self._data, self.fields = data, of_groups(groups)
         self._shown = [f for f in of_groups(groups | CONSTANT) if f.output]
-        self._types = {
-            "int": wp.int32, "real": spec.real, "vec": spec.vec, "point": spec.point, "mat": spec.mat, "sym": spec.sym,
-            "parts": part_types(spec, len(parts)).power,
-        }  # fmt: skip
+        self._types = element_types(spec, parts)
         self._width = WIDTH | {"parts": (len(parts),)}
         given = {name: getattr(data, name) for name in ("x", "v", "m", "rho", "e", "body", "mat", "fixed")}
         given |= {"id": np.arange(self.n), "av_switch": np.ones(self.n), "thickness": np.ones(self.n)}

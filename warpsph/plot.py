@@ -10,6 +10,7 @@ import numpy as np
 from . import units
 from .drawing.furniture import as_written
 from .errors import InputError
+from .messages import values
 from .storage import atomic, history
 
 if TYPE_CHECKING:
@@ -52,9 +53,7 @@ def plot(folder: Path, output: Path | None = None) -> Path:
 
     path = Path(folder) / "plot.png" if output is None else Path(output)
     if path.suffix.lower() not in FORMATS:
-        raise InputError(
-            f"output {str(path)!r} has another format; allowed: a name that ends in {', '.join(FORMATS)}"
-        )
+        raise values.refuse("output", str(path), f"a name that ends in {', '.join(FORMATS)}")
     names, column_units, columns = history.read(Path(folder) / "history.csv")
     if not len(columns["time"]):
         raise InputError(f"{Path(folder) / 'history.csv'} has no rows yet; nothing can be plotted")

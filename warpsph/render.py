@@ -10,6 +10,7 @@ from .drawing import movie as films
 from .drawing.look import Look, choose
 from .drawing.painter import Painter
 from .errors import InputError, RunError
+from .messages import values
 from .state import State
 from .storage import atomic, snapshot
 
@@ -50,7 +51,7 @@ def render(
         RunError: If this machine cannot draw off screen, or a file cannot be written.
     """
     if every < 1:
-        raise InputError(f"every = {every!r} is out of range; allowed: 1, 2, 3, ...")
+        raise values.outside("every", every, "1, 2, 3, ...")
     paths = snapshot.find(folder)[::every]
     if not paths:
         raise InputError(f"{folder} holds no snapshots (NAME_0000.vtkhdf); give the output folder of a run")

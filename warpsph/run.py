@@ -10,6 +10,7 @@ from .progress import Progress
 from .scene import Scene
 from .solver import Solver
 from .storage import atomic, checkpoint, facts, folder
+from .storage.writer import PENDING
 
 NEEDED = {
     "time": facts.not_negative, "until": facts.positive, "interval": facts.positive, "next_snapshot": facts.natural,
@@ -54,13 +55,16 @@ def run(
         RunError: The run had to stop; a last snapshot has been written.
         KeyboardInterrupt: After a clean ending on Ctrl-C.
     """
+    progress = progress or Progress()
     data = scene.finalize()
-    solver = Solver(data, device=device, precision=precision, threads=threads)
+    solver = Solver(
+        data, device=device, precision=precision, threads=threads, copies=PENDING, say=progress.message
+    )
     out = Path(out)
     folder.prepare(out, force)
     if source is not None:
         atomic.write(out / "scene.py", source.encode())
-    job = Job(solver, out, data.until if until is None else until, parameters or {}, progress or Progress())
+    job = Job(solver, out, data.until if until is None else until, parameters or {}, progress)
     job.begin()
     return job.finish(frames)
 
@@ -103,10 +107,12 @@ def resume(
             f"until = {end:g} s is not after the checkpoint's time; allowed: more than {info['time']:g}"
         )
     data = load(out / "scene.py").build(**info["parameters"]).finalize()
+    progress = progress or Progress()
     solver = Solver(
-        data, device=device or info["device"], precision=info["solver"]["precision"], threads=threads
-    )
-    job = Job(solver, out, end, info["parameters"], progress or Progress())
+        data, device=device or info["device"], precision=info["solver"]["precision"], threads=threads,
+        copies=PENDING, say=progress.message,
+    )  # fmt: skip
+    job = Job(solver, out, end, info["parameters"], progress)
     try:
         job.go_on(arrays, info)
     except (LookupError, TypeError, AttributeError, OverflowError) as error:

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .errors import InputError
 from .fields import BY_NAME, FIELDS
+from .messages import values
 from .state import State
 
 AXES = ("x", "y", "z")
@@ -53,9 +53,9 @@ def scalar(state: State, name: str) -> Scalar:
     table = _table(state)
     key = BY_NAME[name].title if name in BY_NAME and name not in table else name
     if key not in table:
-        raise InputError(f"field {name!r} does not exist here; allowed: {', '.join(table)}")
-    title, unit, values = table[key]
-    return Scalar(title, unit, np.asarray(values(), dtype=np.float64), _categories(state, key))
+        raise values.unknown("field", name, table)
+    title, unit, numbers = table[key]
+    return Scalar(title, unit, np.asarray(numbers(), dtype=np.float64), _categories(state, key))
 
 
 def names(state: State) -> list[str]:

@@ -10,9 +10,9 @@ import numpy as np
 from . import checks, lattices, materials
 from .body import Body, Velocity, given_points, initial_velocity, particle_volume
 from .config import Numerics
-from .errors import InputError
 from .lattices import Lattice
 from .materials import Material
+from .messages import bodies, values
 from .overlap import close_pairs
 from .shapes import Shape
 from .state import State
@@ -324,7 +324,7 @@ class Scene:
                 particles lie beyond a symmetry plane or on it.
         """
         if not self.bodies:
-            raise InputError(f"scene {self.name!r} has no bodies; allowed: at least one, by add_body")
+            raise bodies.none(self.name)
         parts = list(self.bodies.values())
         lengths = [len(b) for b in parts]
         used = _distinct([material for b in parts for material in b.materials])
@@ -357,12 +357,9 @@ class Scene:
                 raise checks.refuse(f"lattice of body {name!r}", lattice, "none, for its points are given")
             return given_points(name, shape, self.spacing, self.dim), self.spacing**self.dim
         pattern = lattices.get("cartesian" if lattice is None else lattice)
-        x = pattern.fill(shape, self.spacing, self.dim)
+        x = pattern.fill(shape, self.spacing, self.dim, f"body {name!r}")
         if len(x) == 0:
-            raise InputError(
-                f"body {name!r} has no particles: no lattice point lies in {shape}; allowed: a shape that "
-                f"holds at least one at a spacing of {self.spacing:g} m"
-            )
+            raise bodies.empty(name, shape, self.spacing)
         return x, pattern.cell_volume(self.spacing, self.dim)
 
     def _material(self, name: str, material: Material | str) -> Material:
@@ -389,9 +386,7 @@ class Scene:
         found = self.bodies[body]
         chosen = self._selection(act, found, where)
         if not chosen.any():
-            raise InputError(
-                f"{act} of body {body!r} selects none of its {len(found)} particles; allowed: at least one"
-            )
+            raise bodies.nobody_meant(act, body, len(found))
         return found, chosen
 
     def _selection(self, act: str, body: Body, where: Shape | Callable | np.ndarray | None) -> np.ndarray:
@@ -402,9 +397,7 @@ class Scene:
             return where.contains(body.x, lattices.ROUND_OFF * self.spacing)
         mask = np.asarray(where(body.x.copy()) if callable(where) else where)
         if mask.dtype != bool or mask.shape != (len(body),):
-            raise InputError(
-                f"{act} of body {body.name!r}: where gives {mask.dtype} of shape {mask.shape}; allowed: bool, ({len(body)},)"
-            )
+            raise bodies.no_mask(act, body.name, mask, len(body))
         return mask
 
 
@@ -440,8 +433,8 @@ def _distinct(found: list[Material]) -> list[Material]:
     used: dict[str, Material] = {}
     for material in found:
         if used.setdefault(material.name, material) != material:
-            raise InputError(
-                f"material {material.name!r} stands for two sets of constants; allowed: one name for each"
+            raise values.clash(
+                f"material {material.name!r}", "another of that name", "one name for each set of constants"
             )
     return list(used.values())
 
@@ -453,16 +446,12 @@ def _check_distances(data: SceneData) -> None:
     across = data.body[i] != data.body[j]
     if across.any():
         first, second = i[across][0], j[across][0]
-        raise InputError(
-            f"bodies {data.bodies[data.body[first]]!r} and {data.bodies[data.body[second]]!r} overlap near {_place(data, first)}: "
-            f"{across.sum()} particle pairs are too close; allowed: half a spacing, {OVERLAP * data.spacing:g} m, or more"
-        )
+        one, other = data.bodies[data.body[first]], data.bodies[data.body[second]]
+        raise bodies.overlap(one, other, across.sum(), data.x[first, : data.dim], OVERLAP * data.spacing)
     same = np.linalg.norm(data.x[i] - data.x[j], axis=1) < DUPLICATE * data.spacing
     if same.any():
-        raise InputError(
-            f"body {data.bodies[data.body[i[same][0]]]!r} has {same.sum()} particle pairs at the same place, one at "
-            f"{_place(data, i[same][0])}; allowed: {DUPLICATE:g} spacings apart or more"
-        )
+        first = i[same][0]
+        raise bodies.coincide(data.bodies[data.body[first]], same.sum(), data.x[first, : data.dim], DUPLICATE)
 
 
 def _check_plane(data: SceneData, axis: int, position: float) -> None:
@@ -471,12 +460,5 @@ def _check_plane(data: SceneData, axis: int, position: float) -> None:
     side = 1.0 if (distance > 0.0).sum() * 2 >= len(distance) else -1.0
     nearest = int(np.argmin(side * distance))
     if side * distance[nearest] < 0.5 * OVERLAP * data.spacing * _SLACK:
-        raise InputError(
-            f"body {data.bodies[data.body[nearest]]!r} has a particle at {_place(data, nearest)}, beyond or on the symmetry plane "
-            f"{'xyz'[axis]} = {position:g} m; allowed: all on one side, a quarter of a spacing or more away"
-        )
-
-
-def _place(data: SceneData, i: int) -> str:
-    """Position of a particle for people."""
-    return f"({', '.join(f'{value:.6g}' for value in data.x[i, : data.dim])}) m"
+        name = data.bodies[data.body[nearest]]
+        raise bodies.beyond_plane(name, data.x[nearest, : data.dim], "xyz"[axis], position)

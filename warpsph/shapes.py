@@ -14,7 +14,7 @@ import numpy as np
 
 from . import checks
 from .checks import vector3
-from .errors import InputError
+from .messages import values
 from .surfaces import closed_surface, within
 
 if TYPE_CHECKING:
@@ -445,9 +445,7 @@ class _Pair(Shape):
 
     def __post_init__(self):
         if self.first.dim != self.second.dim:
-            raise InputError(
-                f"{self.second} cannot be combined with {self.first}; allowed: shapes of the same dimension"
-            )
+            raise values.clash(str(self.second), str(self.first), "shapes of the same dimension")
 
     @property
     def dim(self) -> int:

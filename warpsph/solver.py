@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import warp as wp
 
+from .admission import admit
 from .blocks import CUDA_STEP_BLOCKS, Blocks
 from .clock import Clock, Reading
 from .compilation import compile_modules, kernels_of
@@ -29,6 +30,7 @@ from .kernels.timestep import (
 from .launch import Command, Launcher
 from .materials import pack
 from .memory import Policy, policy_of
+from .need import estimate
 from .neighbours import Neighbours
 from .particles import Particles
 from .penetration import interpenetration
@@ -54,6 +56,7 @@ class Solver:
 
     Attributes:
         data: The finalised scene.
+        need: What it was estimated to need of memory.
         launcher: The device and its threads.
         particles: The state.
         neighbours: The neighbour rows.
@@ -69,8 +72,10 @@ class Solver:
         precision: str = "float64",
         threads: int | None = None,
         policy: Policy | None = None,
+        copies: int = 0,
+        say: Callable[[str], None] | None = None,
     ):
-        """Allocate everything; no step allocates afterwards, except neighbour rows that outgrow their storage.
+        """Allocate everything, if it fits; no step allocates afterwards, except neighbour rows that outgrow their storage.
 
         Args:
             data: The finalised scene.
@@ -78,9 +83,11 @@ class Solver:
             precision: One of `PRECISIONS`.
             threads: CPU threads; None: as many as there are cores.
             policy: What memory may be spent on; None: the device's.
+            copies: Copies of the state on the host that outputs may take at a time: to be held against its memory too.
+            say: Takes one line, what all of this needs of memory, before anything is allocated.
 
         Raises:
-            InputError: No such device or precision.
+            InputError: No such device or precision, or no memory for it; says what would fit.
         """
         if precision not in PRECISIONS:
             raise InputError(f"precision {precision!r} is unknown; allowed: {', '.join(PRECISIONS)}")
@@ -90,6 +97,8 @@ class Solver:
         self._spec = Spec(data.dim, *PRECISIONS[precision], lanes=self._policy.lanes)
         h = data.h
         self._scheme = make_scheme(data, self._spec)
+        self.need = estimate(data, self._spec, self._scheme, self._policy, self.launcher.device, copies)
+        admit(data, self.need, self._spec, self.launcher.device, say)
         self.particles = Particles(data, self._spec, self.launcher, self._scheme.groups, self._scheme.parts)
         n, cuda = self.particles.n, self.launcher.device.is_cuda
         self._blocks, self._step_blocks = Blocks(n, cuda), Blocks(n, cuda, CUDA_STEP_BLOCKS if cuda else None)

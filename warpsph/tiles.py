@@ -18,6 +18,16 @@ HANDS_CPU, HANDS_CUDA = 1, 8
 """Threads that share the particles of a tile, and its comparison with the others, in every step."""
 
 
+def tiles_of(device: wp.Device) -> tuple[int, int]:
+    """Tiles at most, and threads that share one, on a device."""
+    return (MOST_CUDA, HANDS_CUDA) if device.is_cuda else (MOST_CPU, HANDS_CPU)
+
+
+def first_width(n: int, most: int, spacing: float, dim: int) -> float:
+    """Width of the tiles of n particles [m], before they grow."""
+    return spacing * max(PER_TILE, 4 * n // most) ** (1.0 / dim)
+
+
 class Tiles:
     """Members and boxes of the tiles, and how far their particles have moved.
 
@@ -45,10 +55,8 @@ class Tiles:
         n, spec = particles.n, particles.spec
         self._particles, self._launcher, self._selective = particles, launcher, selective
         self._kernels = make_tiles(spec, selective)
-        cuda = launcher.device.is_cuda
-        self.most, self.hands = (MOST_CUDA, HANDS_CUDA) if cuda else (MOST_CPU, HANDS_CPU)
-        per_tile = max(PER_TILE, 4 * n // self.most)
-        self._width = spacing * per_tile ** (1.0 / spec.dim)
+        self.most, self.hands = tiles_of(launcher.device)
+        self._width = first_width(n, self.most, spacing, spec.dim)
         with wp.ScopedDevice(launcher.device):
             self.member = wp.zeros(n, dtype=wp.int32)
             self.tile_start = wp.zeros(self.most + 1, dtype=wp.int32)

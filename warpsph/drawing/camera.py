@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpsph.errors import InputError
+from warpsph.messages import values
 
 _UP_Z, _UP_Y = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
 
@@ -89,7 +89,7 @@ def named_view(view: str | None, dim: int, cut: str | None = None) -> str:
         facing = FACING.get((cut or "").strip()[:1])
         return facing if facing in allowed else allowed[0]
     if view not in allowed:
-        raise InputError(f"view {view!r} does not exist in {dim}D; allowed: {', '.join(allowed)}")
+        raise values.unknown(f"{dim}D view", view, allowed)
     return view
 
 
@@ -109,9 +109,7 @@ def parse_cut(text: str, view: str, box: np.ndarray) -> Cut:
         axis = "xyz".index(match[1])
         position = float(match[2]) if match[2] else float(box[:, axis].mean())
     except (TypeError, ValueError):
-        raise InputError(
-            f"cut {text!r} is no plane; allowed: x, y or z, with or without a position, as y=0.01"
-        ) from None
+        raise values.refuse("cut", text, "x, y or z, with or without a position, as y=0.01") from None
     return Cut(axis, position, -1.0 if VIEWS[view][0][axis] >= 0.0 else 1.0)
 
 

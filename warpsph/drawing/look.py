@@ -7,6 +7,7 @@ import numpy as np
 
 from warpsph import units
 from warpsph.errors import InputError
+from warpsph.messages import values
 from warpsph.scalars import KERNEL_TYPES, Scalar, scalar
 from warpsph.state import State
 
@@ -122,7 +123,7 @@ def choose(
     limits, extend = _limits(np.array(spans), first_quantity, range)
     signed = limits[0] < -SMALL * (limits[1] - limits[0]) and limits[1] > SMALL * (limits[1] - limits[0])
     if cut is not None and first.dim != 3:
-        raise InputError(f"cut {cut!r} has no meaning in {first.dim}D; it is for scenes in 3D")
+        raise values.clash(f"cut = {cut!r}", f"a scene in {first.dim}D", "none, or a scene in 3D")
     return Look(
         field=field,
         title=first_quantity.title,
@@ -149,13 +150,11 @@ def _check(range: tuple[float, float] | None, size: tuple[int, int], cmap: str |
     import matplotlib
 
     if range is not None and not (len(range) == 2 and np.isfinite(range).all() and range[0] < range[1]):
-        raise InputError(f"range {range!r} is no colour range; allowed: two numbers, the lower one first")
+        raise values.refuse("range", range, "two numbers, the lower one first")
     if len(size) != 2 or not all(200 <= pixels <= 8192 for pixels in size):
-        raise InputError(f"size {size!r} is out of range; allowed: width and height of 200 to 8192 pixels")
+        raise values.outside("size", size, "width and height of 200 to 8192 pixels")
     if cmap is not None and cmap not in matplotlib.colormaps:
-        raise InputError(
-            f"cmap {cmap!r} does not exist; allowed: matplotlib's colour maps, for example viridis, coolwarm"
-        )
+        raise values.unknown("cmap", cmap, ("viridis", "coolwarm"), "any colour map of matplotlib")
 
 
 def _span(values: np.ndarray) -> tuple[float, float, float, float]:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from warpsph.errors import InputError, RunError
+from warpsph.errors import RunError
+from warpsph.messages import machine, values
 
 SECONDS = 6.0
 """How long a film lasts if its frames suffice."""
@@ -20,16 +21,16 @@ def check(path: Path) -> None:
     """
     path = Path(path)
     if path.suffix.lower() != ".mp4":
-        raise InputError(f"movie {str(path)!r} has another format; allowed: a name that ends in .mp4")
+        raise values.refuse("movie", str(path), "a name that ends in .mp4")
     if not path.parent.is_dir():
-        raise InputError(f"movie {str(path)!r} has no folder to go to: {path.parent} does not exist")
+        raise values.refuse(
+            "movie", str(path), f"a file in a folder that exists, which {path.parent} does not"
+        )
     try:
         for package in ("imageio", "imageio_ffmpeg"):
             importlib.import_module(package)
     except ImportError as error:
-        raise InputError(
-            f'movie needs the package {error.name}; install it with: pip install "warpsph[movie]"'
-        ) from None
+        raise machine.no_package("movie", error.name, "movie") from None
 
 
 def write(path: Path, frames: Iterable[np.ndarray], count: int) -> None:

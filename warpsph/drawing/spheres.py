@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from warpsph.errors import RunError
+from warpsph.messages import machine
 
 from .camera import ANGLE, Camera
 
@@ -97,9 +97,7 @@ def _check(window: "vtkRenderWindow") -> None:
         window.Initialize()
         if window.IsCurrent():
             return
-    raise RunError(
-        "this machine cannot draw off screen: OpenGL is missing; install Mesa (apt install libegl1)"
-    )
+    raise machine.no_drawing()
 
 
 def _loads(library: str) -> bool:

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from warpsph.errors import InputError
 from warpsph.kernels.material import DamageId
+from warpsph.messages import values
 
 from .law import Law, constant
 
@@ -43,10 +43,6 @@ class JohnsonCookDamage(Damage):
         """
         super().__post_init__()
         if self.carries not in ("all", "compression"):
-            raise InputError(
-                f"JohnsonCookDamage: carries = {self.carries!r} is not allowed; allowed: all, compression"
-            )
+            raise values.refuse("JohnsonCookDamage: carries", self.carries, "all, compression")
         if self.D1 + self.D2 <= 0.0:
-            raise InputError(
-                f"JohnsonCookDamage: D1 = {self.D1:g} does not fit D2 = {self.D2:g}; allowed: D1 + D2 above 0"
-            )
+            raise values.clash(f"JohnsonCookDamage: D1 = {self.D1:g}", f"D2 = {self.D2:g}", "D1 + D2 above 0")

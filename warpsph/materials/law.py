@@ -5,8 +5,8 @@ import numbers
 from dataclasses import Field, dataclass, field, fields
 from typing import Any, ClassVar
 
-from warpsph.errors import InputError
 from warpsph.kernels.material import DamageId, EosId, StrengthId
+from warpsph.messages import values
 
 _ALLOWED = {
     "positive": lambda value: value > 0.0,
@@ -43,10 +43,10 @@ def number(owner: str, name: str, value: object, allowed: str) -> float:
         InputError: Naming the constant, its value and what is allowed.
     """
     if value is None:
-        raise InputError(f"{owner}: {name} is missing; allowed: {allowed}")
+        raise values.missing(f"{owner}: {name}", allowed)
     ok = isinstance(value, numbers.Real) and not isinstance(value, bool) and math.isfinite(value)
     if not ok or not _ALLOWED[allowed](value):
-        raise InputError(f"{owner}: {name} = {value!r} is out of range; allowed: {allowed}")
+        raise values.outside(f"{owner}: {name}", value, allowed)
     return float(value)
 
 

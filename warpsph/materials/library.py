@@ -1,9 +1,8 @@
 """The library: the materials that the papers use."""
 
-import difflib
 import functools
 
-from warpsph.errors import InputError
+from warpsph.messages import values
 
 from .damage import JohnsonCookDamage
 from .eos import (
@@ -123,6 +122,4 @@ def get(name: str) -> Material:
     library = _library()
     if name in library:
         return library[name]
-    close = difflib.get_close_matches(str(name), library, n=1)
-    hint = f"did you mean {close[0]!r}? " if close else ""
-    raise InputError(f"material {name!r} is unknown; {hint}allowed: {', '.join(library)}")
+    raise values.unknown("material", name, library)

@@ -7,9 +7,9 @@ from typing import Any
 
 import warp as wp
 
-from warpsph.errors import InputError
 from warpsph.kernels.material import DamageId, make_material
 from warpsph.kernels.spec import Spec
+from warpsph.messages import values
 
 from .damage import Damage, JohnsonCookDamage
 from .eos import Eos, IdealGas
@@ -49,16 +49,16 @@ class Material:
             InputError: Naming the field, its value and what is allowed.
         """
         if not isinstance(self.name, str) or not self.name:
-            raise InputError(f"material: name = {self.name!r} is not allowed; allowed: a non-empty text")
+            raise values.refuse("material: name", self.name, "a non-empty text")
         owner = f"material {self.name!r}"
         object.__setattr__(self, "density", number(owner, "density", self.density, "positive"))
         for name, kind in (("eos", Eos), ("strength", Strength)):
             if not isinstance(getattr(self, name), kind):
                 laws = ", ".join(law.__name__ for law in kind.__subclasses__())
-                raise InputError(f"{owner}: {name} = {getattr(self, name)!r} is not allowed; allowed: {laws}")
+                raise values.refuse(f"{owner}: {name}", getattr(self, name), laws)
         if isinstance(self.eos, IdealGas) and not isinstance(self.strength, Fluid):
             law = type(self.strength).__name__
-            raise InputError(f"{owner}: strength = {law} does not fit an ideal gas; allowed: Fluid")
+            raise values.clash(f"{owner}: strength = {law}", "an ideal gas", "Fluid")
         if self.pressure_cutoff != -math.inf:
             cutoff = number(owner, "pressure_cutoff", self.pressure_cutoff, "zero or negative")
             object.__setattr__(self, "pressure_cutoff", cutoff)
@@ -69,24 +69,18 @@ class Material:
         law = type(self.strength).__name__
         if isinstance(self.strength, JohnsonHolmquist1):
             if self.damage is not None:
-                raise InputError(
-                    f"{owner}: damage = {self.damage!r} does not fit {law}; allowed: None, it has its own"
-                )
+                raise values.clash(f"{owner}: damage = {self.damage!r}", law, "None, it has its own")
             if self.pressure_cutoff != -math.inf:
-                raise InputError(
-                    f"{owner}: pressure_cutoff = {self.pressure_cutoff:g} does not fit {law}; "
-                    "allowed: -inf, it fails at its own pressure T"
-                )
+                raise values.clash(
+                    f"{owner}: pressure_cutoff = {self.pressure_cutoff:g}", law,
+                    "-inf, it fails at its own pressure T",
+                )  # fmt: skip
         if self.damage is None:
             return
         if not isinstance(self.damage, JohnsonCookDamage):
-            raise InputError(
-                f"{owner}: damage = {self.damage!r} is not allowed; allowed: JohnsonCookDamage, None"
-            )
+            raise values.refuse(f"{owner}: damage", self.damage, "JohnsonCookDamage, None")
         if not isinstance(self.strength, JohnsonCook):
-            raise InputError(
-                f"{owner}: damage = JohnsonCookDamage does not fit strength = {law}; allowed: JohnsonCook"
-            )
+            raise values.clash(f"{owner}: damage = JohnsonCookDamage", f"strength = {law}", "JohnsonCook")
 
     @property
     def bulk_speed(self) -> float:

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from warpsph.errors import InputError
 from warpsph.kernels.material import StrengthId
+from warpsph.messages import values
 
 from .law import Law, constant, number
 
@@ -85,13 +85,9 @@ class LinearHardening(Strength):
             )
         )
         if Ep >= E:
-            raise InputError(
-                f"{owner}: Ep = {Ep:g} does not fit E = {E:g}; allowed: a tangent modulus below E"
-            )
+            raise values.clash(f"{owner}: Ep = {Ep:g}", f"E = {E:g}", "a tangent modulus below E")
         if E >= 3.0 * G:
-            raise InputError(
-                f"{owner}: E = {E:g} does not fit G = {G:g}; allowed: below 3 G (Poisson's ratio < 0.5)"
-            )
+            raise values.clash(f"{owner}: E = {E:g}", f"G = {G:g}", "E below 3 G (Poisson's ratio below 0.5)")
         return cls(G=G, Y=Y, H=E * Ep / (E - Ep))
 
 
@@ -127,8 +123,8 @@ class JohnsonCook(Strength):
         """
         super().__post_init__()
         if self.T0 >= self.Tm:
-            raise InputError(
-                f"JohnsonCook: Tm = {self.Tm:g} does not fit T0 = {self.T0:g}; allowed: a melting point above T0"
+            raise values.clash(
+                f"JohnsonCook: Tm = {self.Tm:g}", f"T0 = {self.T0:g}", "a melting point above T0"
             )
 
 
@@ -175,10 +171,8 @@ class JohnsonHolmquist1(Strength):
             ("s1", "s2", self.s1 <= self.s2),
         ):
             if not ok:
-                raise InputError(
-                    f"JohnsonHolmquist1: {high} = {getattr(self, high):g} does not fit {low} = {getattr(self, low):g}; "
-                    f"allowed: T < P1 < P2 and s1 <= s2"
-                )
+                one, other = f"{high} = {getattr(self, high):g}", f"{low} = {getattr(self, low):g}"
+                raise values.clash(f"JohnsonHolmquist1: {one}", other, "T < P1 < P2 and s1 <= s2")
 
 
 def moduli(E: float, nu: float) -> tuple[float, float]:
@@ -190,5 +184,5 @@ def moduli(E: float, nu: float) -> tuple[float, float]:
     E = number("moduli", "E", E, "positive")
     nu = number("moduli", "nu", nu, "any finite number")
     if not -1.0 < nu < 0.5:
-        raise InputError(f"moduli: nu = {nu!r} is out of range; allowed: more than -1 and less than 0.5")
+        raise values.outside("moduli: nu", nu, "more than -1 and less than 0.5")
     return E / (3.0 * (1.0 - 2.0 * nu)), E / (2.0 * (1.0 + nu))

@@ -1,21 +1,48 @@
 """Values from a user that are not allowed: the field, the value, what is allowed."""
 
+import difflib
 from collections.abc import Iterable
 
 from warpsph.errors import InputError
+
+CLOSE = 0.7
+"""How alike a name must be to be suggested, from 0 to 1."""
 
 LONGEST = 80
 """Characters of a value that are shown."""
 
 
 def refuse(name: str, value: object, allowed: str) -> InputError:
-    """A value is not allowed: names it, shows it, says what is allowed."""
+    """A value is not allowed."""
     return InputError(f"{name} = {shown(value)} is not allowed; allowed: {allowed}")
 
 
-def unknown(name: str, value: object, allowed: Iterable[object]) -> InputError:
-    """A name is none of those that there are."""
-    return InputError(f"{name} {shown(value)} is unknown; allowed: {', '.join(map(str, allowed))}")
+def outside(name: str, value: object, allowed: str) -> InputError:
+    """A number is out of range."""
+    return InputError(f"{name} = {shown(value)} is out of range; allowed: {allowed}")
+
+
+def missing(name: str, allowed: str) -> InputError:
+    """A value that must be given is not."""
+    return InputError(f"{name} is missing; allowed: {allowed}")
+
+
+def unknown(kind: str, value: object, allowed: Iterable[str], also: str = "") -> InputError:
+    """A name is none of those there are; suggests the closest. ``also``: what is allowed besides the names."""
+    names = list(map(str, allowed))
+    listed = ", ".join([*names, also] if also else names)
+    return InputError(f"{kind} {shown(value)} is unknown{meant(value, names)}; allowed: {listed}")
+
+
+def clash(one: str, other: str, allowed: str, why: str = "") -> InputError:
+    """Two choices, each allowed by itself, do not go together."""
+    reason = f": {why}" if why else ""
+    return InputError(f"{one} does not go with {other}{reason}; allowed: {allowed}")
+
+
+def lacks(what: str, need: str, allowed: str) -> InputError:
+    """A choice needs something that is not there."""
+    return InputError(f"{what} needs {need}; allowed: {allowed}")
 
 
 def shown(value: object) -> str:
@@ -27,3 +54,9 @@ def shown(value: object) -> str:
 def printable(text: str) -> str:
     """A text from a file as it may be printed: what would move the cursor or hide something is written out."""
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+
+
+def meant(value: object, names: Iterable[str]) -> str:
+    """A suggestion in brackets if one of the names is close to the value, else nothing."""
+    close = difflib.get_close_matches(str(value), list(names), n=1, cutoff=CLOSE)
+    return f" (did you mean {close[0]!r}?)" if close else ""

@@ -14,6 +14,7 @@ from warpsph import library
 from warpsph.errors import InputError, RunError
 from warpsph.info import table
 from warpsph.launch import Launcher, find_device
+from warpsph.messages import values
 from warpsph.neighbours import MAX_PARTICLES
 from warpsph.progress import Progress
 from warpsph.solver import PRECISIONS
@@ -66,7 +67,7 @@ def bench(
     sizes = sizes or performance.DEFAULT_SIZES["cuda" if found.is_cuda else "cpu"]
     for size in sizes:
         if not SMALLEST <= size <= MAX_PARTICLES:
-            raise InputError(f"-n {size} is not allowed; allowed: {SMALLEST} to {MAX_PARTICLES} particles")
+            raise values.outside("-n", size, f"{SMALLEST} to {MAX_PARTICLES} particles")
     say("measuring what the device can do ...")
     launcher = Launcher(device, threads)
     best = {name: asdict(ceilings.measure(launcher, _real(name))) for name in precisions}
@@ -106,8 +107,7 @@ def choose(names: Sequence[str]) -> list[Case]:
     allowed = {name: {f"{name}-2d", f"{name}-3d"} for name in SCHEMES} | {name: {name} for name in CASES}
     for name in names:
         if name not in allowed:
-            known = f"{', '.join((*SCHEMES, *SCENES))}; -2d or -3d takes one of the two"
-            raise InputError(f"case {name!r} is unknown; allowed: {known}")
+            raise values.unknown("case", name, (*SCHEMES, *SCENES), "each scheme's -2d or -3d alone")
     wanted = set().union(*(allowed[name] for name in names))
     return [case for name, case in CASES.items() if name in wanted]
 
@@ -138,7 +138,7 @@ def _trials(
         try:
             measured = trial.measure(trial.with_scheme(data, case), precision=precision, **options)
             done |= {"scene_s": seconds, "ceilings": best[precision], **measured}
-        except (RunError, MemoryError, RuntimeError) as error:
+        except (InputError, RunError, MemoryError, RuntimeError) as error:
             say(f"{case.name}, {precision}: {error}")
             done["failed"] = str(error)
         yield done
@@ -154,7 +154,7 @@ def _jobs(chosen: list[Case], sizes: Sequence[int]) -> list[tuple[Case, int | No
 def _checked(what: str, names: Sequence[str], allowed: Sequence[str]) -> list[str]:
     for name in names:
         if name not in allowed:
-            raise InputError(f"{what} {name!r} is unknown; allowed: {', '.join(allowed)}")
+            raise values.unknown(what, name, allowed)
     return list(dict.fromkeys(names))
 
 

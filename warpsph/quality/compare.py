@@ -7,9 +7,9 @@ from dataclasses import replace
 from statistics import median
 
 from warpsph import library
-from warpsph.errors import InputError
 from warpsph.info import table
 from warpsph.launch import count_cores, find_device
+from warpsph.messages import values
 from warpsph.progress import Progress
 from warpsph.scene import Scene, SceneData
 from warpsph.solver import Solver
@@ -55,11 +55,9 @@ def compare(
         RunError: A peer failed.
     """
     if repeats < 1:
-        raise InputError(f"--repeats {repeats} is not allowed; allowed: 1 or more")
+        raise values.outside("--repeats", repeats, "1 or more")
     if lagrangian and full:
-        raise InputError(
-            "--full does not go with --lagrangian, which has a plate of its own; allowed: one of them"
-        )
+        raise values.clash("--full", "--lagrangian", "one of them", "that has a plate of its own")
     say = (progress or Progress()).message
     origin = report.facts(find_device(device))
     if lagrangian:

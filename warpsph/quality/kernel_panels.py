@@ -10,7 +10,7 @@ import numpy as np
 from warpsph import units
 from warpsph.drawing.furniture import INK
 from warpsph.drawing.look import KERNEL_COLOURS
-from warpsph.errors import InputError
+from warpsph.messages import measuring
 from warpsph.scalars import KERNEL_TYPES
 from warpsph.state import State
 from warpsph.storage import snapshot
@@ -178,7 +178,7 @@ def _by_time(
         name: {f"{time * factor:.3g} {unit}": nearest(runs[name], time) for time in times} for name in names
     }
     if all(state is None for row in states.values() for state in row.values()):
-        raise InputError(f"no run of {', '.join(states)} has a snapshot at the times asked for")
+        raise measuring.no_snapshot_then(states)
     return states
 
 

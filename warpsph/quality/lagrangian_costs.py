@@ -5,8 +5,8 @@ from dataclasses import replace
 from statistics import median
 
 from warpsph import library
-from warpsph.errors import InputError
 from warpsph.kernels.kernel_type import EULERIAN
+from warpsph.messages import measuring
 from warpsph.scene import Scene, SceneData
 from warpsph.solver import Solver
 
@@ -160,9 +160,7 @@ def _same(peer: Peer, row: Series) -> bool:
     """
     case = peer.facts.get("case")
     if case not in BESIDE:
-        raise InputError(
-            f"--peer {peer.command!r} names case {case!r}; allowed beside Lagrangian steps: {', '.join(BESIDE)}"
-        )
+        raise measuring.peer_case(peer.command, case, BESIDE)
     return case == row.case and peer.facts["threads"] == row.variant.threads
 
 

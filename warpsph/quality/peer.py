@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from statistics import median
 from typing import Any
 
-from warpsph.errors import InputError, RunError
+from warpsph.messages import measuring
 
 
 @dataclass
@@ -34,21 +34,17 @@ class Peer:
         try:
             done = subprocess.run(shlex.split(self.command), capture_output=True, text=True, check=False)
         except (OSError, ValueError, IndexError) as error:  # no such file, open quotes, no words
-            why = getattr(error, "strerror", None) or error
-            raise InputError(f"--peer {self.command!r} cannot be run: {why}") from error
+            raise measuring.peer_not_run(self.command, error) from error
         last = (done.stdout.strip().splitlines() or [""])[-1]
         if done.returncode:
             said = (done.stderr.strip().splitlines() or [last])[-1]
-            raise RunError(f"--peer {self.command!r} failed with exit code {done.returncode}: {said}")
+            raise measuring.peer_failed(self.command, done.returncode, said)
         try:
             self.facts = json.loads(last)
             self.ns.append(float(self.facts["ns_per_particle_step"]))
             self.facts["threads"] = int(self.facts.get("threads", self.facts.get("ranks")))
         except (ValueError, KeyError, TypeError) as error:
-            raise InputError(
-                f"--peer {self.command!r} printed {last[:60]!r} last; allowed: one line of JSON with "
-                "ns_per_particle_step and threads (or ranks)"
-            ) from error
+            raise measuring.peer_unclear(self.command, last) from error
 
     def cells(self) -> list[str]:
         """What it is and what it took, for a table."""

@@ -13,7 +13,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from warpsph.errors import InputError
+from warpsph.messages import measuring
 from warpsph.storage import atomic
 
 from . import report
@@ -99,9 +99,7 @@ def read(path: Path) -> dict[str, Any]:
         record = json.loads(path.read_text(encoding="utf-8"))
         record["facts"]["device"], record["ceilings"], record["trials"]
     except (ValueError, KeyError, TypeError) as error:
-        raise InputError(
-            f"{path} holds no results; allowed: a file that `warpsph bench --json` wrote"
-        ) from error
+        raise measuring.no_results(path) from error
     return record
 
 
@@ -289,7 +287,7 @@ def main(files: Sequence[str]) -> None:
     """
     root = report.checkout()
     if root is None:
-        raise InputError("results are added to a checkout; allowed: to run this from one")
+        raise measuring.no_checkout()
     for name in files:
         add(root, read(Path(name)))
     draw(root)

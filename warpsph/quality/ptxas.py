@@ -8,7 +8,7 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from warpsph.errors import RunError
+from warpsph.messages import measuring
 
 _ENTRY = re.compile(r"Compiling entry function '(\w+)'")
 _OWNER = re.compile(r"Function properties for (\w+)")
@@ -70,7 +70,7 @@ class Assembler:
         """
         done = _run(self.path, self.text(ptx), "-v", f"-arch=sm_{arch}")
         if done.returncode != 0:
-            raise RunError(f"ptxas {self} refuses {ptx.name} for sm_{arch}: {done.stderr.strip()}")
+            raise measuring.ptxas_refused(self, ptx.name, arch, done.stderr.strip())
         return parse(done.stderr)
 
     def text(self, ptx: Path) -> bytes:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import warp as wp
 
-from warpsph.errors import RunError
+from warpsph.messages import measuring
 
 from . import report
 from .ptxas import Usage
@@ -63,7 +63,7 @@ def by_kernel(module: wp.Module, found: dict[str, Usage]) -> list[tuple[wp.Kerne
     """
     keys = {entry: match["key"] for entry in found if (match := _ENTRY_NAME.fullmatch(entry))}
     for key in module.kernels.keys() - keys.values():
-        raise RunError(f"ptxas told nothing of {key} in {module.name}")
+        raise measuring.ptxas_silent(key, module.name)
     return [(module.kernels[key], found[entry]) for entry, key in keys.items()]
 
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import warp as wp
 
 from warpsph import __version__
-from warpsph.errors import InputError
 from warpsph.launch import count_cores
+from warpsph.messages import measuring
 from warpsph.storage import atomic
 
 LIBRARIES = ("warp-lang", "numpy")
@@ -56,9 +56,7 @@ def write_section(path: Path, name: str, text: str) -> None:
     before, found, rest = path.read_text(encoding="utf-8").partition(begin)
     _, closed, after = rest.partition(end)
     if not found or not closed:
-        raise InputError(
-            f"{path} has no place for the report; allowed: a file with the lines {begin} and {end}"
-        )
+        raise measuring.no_place(path, begin, end)
     atomic.write(path, f"{before}{begin}\n{text.strip()}\n{end}{after}".encode())
 
 

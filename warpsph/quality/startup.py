@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 from warpsph import library
-from warpsph.errors import RunError
+from warpsph.messages import measuring
 from warpsph.progress import Progress, quiet_warp
 
 _CHILD = "import sys; from warpsph import cli; from warpsph.quality.startup import first_step; first_step(*sys.argv[1:])"
@@ -76,5 +76,5 @@ def _start(scene: str, device: str, cache: str) -> float:
             seconds = time.perf_counter() - started
             complaint = child.communicate()[1].strip()
     if said != _STEPPED:
-        raise RunError(f"scene {scene!r} took no step: {(complaint.splitlines() or ['no reason given'])[-1]}")
+        raise measuring.no_step(scene, complaint)
     return seconds

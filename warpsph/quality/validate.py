@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from warpsph import library
-from warpsph.errors import InputError, RunError
+from warpsph.errors import RunError
 from warpsph.info import table
 from warpsph.launch import find_device
+from warpsph.messages import values
 from warpsph.progress import Progress
 from warpsph.run import run
 from warpsph.storage import atomic
@@ -43,7 +44,7 @@ def validate(
         InputError: There is no such case, or the folder cannot be written.
     """
     if case is not None and case not in CASES:
-        raise InputError(f"case {case!r} is unknown; allowed: {', '.join(CASES)}")
+        raise values.unknown("case", case, CASES)
     progress = progress or Progress()
     outside: list[str] = []
     origin = report.facts(find_device(device))  # before the first report makes the checkout dirty
@@ -117,8 +118,8 @@ def _rows(part: Table, found: Summaries) -> list[list[str]]:
             paper = f"({_shown(figure, row.paper[figure.name])})" if figure.name in row.paper else ""
             cells = f"{value:{figure.style}}", paper, verdict(figure, row, value)
             rows[-1].append(" ".join(filter(None, cells)))
-    for name, values in part.others.items():
-        shown = (f"({_shown(f, values[f.name])})" if f.name in values else "" for f in part.figures)
+    for name, found in part.others.items():
+        shown = (f"({_shown(f, found[f.name])})" if f.name in found else "" for f in part.figures)
         rows.append([name, *shown])
     return rows
 

@@ -2,6 +2,7 @@
 
 from warpsph.errors import InputError
 from warpsph.kernels.material import DamageId, StrengthId
+from warpsph.messages import values
 from warpsph.scene import SceneData
 
 from . import LagrangianSettings
@@ -56,9 +57,11 @@ def _check_solid(data: SceneData) -> None:
     """A fluid has no reference configuration that it keeps to."""
     for k, material in enumerate(data.materials):
         if material.strength.id == StrengthId.FLUID and (~data.eulerian[data.mat == k]).any():
-            raise InputError(
-                f"material {material.name!r} does not go with Lagrangian particles in scheme {data.numerics.scheme!r}: "
-                "it has no strength; allowed: a solid, or make_eulerian for all of it"
+            raise values.clash(
+                f"material {material.name!r}",
+                f"Lagrangian particles in scheme {data.numerics.scheme!r}",
+                "a solid, or make_eulerian for all of it",
+                "it has no strength",
             )
 
 
@@ -73,37 +76,34 @@ def check_contact(data: SceneData) -> None:
         return
     for material in data.materials:
         if material.bulk_speed == 0.0:
-            raise InputError(
-                f"stiffness of Contact = {contact.stiffness:g} is a share of bulk moduli, and material "
-                f"{material.name!r} has none at rest; allowed: modulus [Pa/m^dim] instead"
+            raise values.clash(
+                f"stiffness of Contact = {contact.stiffness:g}",
+                f"material {material.name!r}",
+                "modulus [Pa/m^dim] instead",
+                "it is a share of bulk moduli, and that one has none at rest",
             )
 
 
 def _check_erosion(data: SceneData) -> None:
     if data.numerics.erosion and len(data.bodies) > 1 and data.numerics.contact is None:
-        raise InputError(
-            "erosion = True with several bodies needs contact; allowed: contact = Contact(...), or one body"
+        raise values.lacks(
+            "erosion = True with several bodies", "contact", "contact = Contact(...), or one body"
         )
     if data.numerics.erosion and not _has_damage(data):
-        raise InputError(
-            "erosion = True needs a material that fails, and none of "
-            f"{_names(data)} has a damage law; allowed: False, or a material with damage"
-        )
+        raise values.lacks("erosion = True", _fails(data), "False, or a material with damage")
 
 
 def _check_conversion(data: SceneData) -> None:
     """Conversion needs the state that its criteria look at."""
     conversion = data.numerics.conversion
     if conversion.damage and not _has_damage(data):
-        raise InputError(
-            f"conversion by damage needs a material that fails, and none of {_names(data)} has a damage law; "
-            "allowed: damage = False, or a material with damage"
-        )
+        raise values.lacks("conversion by damage", _fails(data), "damage = False, or a material with damage")
     plastic = conversion.strain is not None and conversion.measure == "plastic"
     if plastic and all(m.strength.id in UNYIELDING for m in data.materials):
-        raise InputError(
-            f"conversion by plastic strain needs a material that yields, and none of {_names(data)} does; "
-            "allowed: another measure, or a material with plasticity"
+        raise values.lacks(
+            "conversion by plastic strain",
+            f"a material that yields, and none of {_names(data)} does",
+            "another measure, or a material with plasticity",
         )
 
 
@@ -115,9 +115,10 @@ def check_radius(data: SceneData, reach: float) -> None:
     """
     conversion = data.numerics.conversion
     if conversion is not None and conversion.radius is not None and conversion.radius > reach:
-        raise InputError(
-            f"radius of Conversion = {conversion.radius:g} m is out of range; allowed: up to the kernel's support of "
-            f"{reach:g} m, and more layers to go further"
+        raise values.outside(
+            "radius of Conversion",
+            conversion.radius,
+            f"up to the kernel's support of {reach:g} m, and more layers to go further",
         )
 
 
@@ -129,5 +130,9 @@ def _names(data: SceneData) -> str:
     return ", ".join(repr(material.name) for material in data.materials)
 
 
-def _misfit(option: str, scheme: str, allowed: str) -> InputError:
-    return InputError(f"{option} does not go with scheme {scheme!r}; allowed with: {allowed}")
+def _fails(data: SceneData) -> str:
+    return f"a material that fails, and none of {_names(data)} has a damage law"
+
+
+def _misfit(option: str, scheme: str, schemes: str) -> InputError:
+    return values.clash(option, f"scheme {scheme!r}", f"the schemes {schemes}")

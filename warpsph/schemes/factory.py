@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 from warpsph.config import Numerics
-from warpsph.errors import InputError
 from warpsph.kernels.spec import Spec
+from warpsph.messages import values
 from warpsph.scene import SceneData
 
 from . import SCHEMES, EulerianSettings, GodunovSettings, LagrangianSettings
@@ -73,22 +73,22 @@ def _check_godunov(data: SceneData) -> None:
     """Refuse what the Godunov schemes have no equations for."""
     name, numerics = data.numerics.scheme, data.numerics
     if numerics.plane == "stress" and data.dim == 2:
-        raise InputError(
-            f"plane = 'stress' does not go with scheme {name!r}: its Riemann problems know no thickness that changes; "
-            "allowed: 'strain', or a scheme with artificial viscosity"
-        )
+        raise values.clash(
+            "plane = 'stress'", f"scheme {name!r}", "'strain', or a scheme with artificial viscosity",
+            "its Riemann problems know no thickness that changes",
+        )  # fmt: skip
     for option in ("contact", "viscosity_alpha", "viscosity_beta"):
         if getattr(numerics, option) is not None:
-            raise InputError(
-                f"{option} does not go with scheme {name!r}, a Godunov scheme; allowed: None, or a scheme with "
-                "artificial viscosity"
+            raise values.clash(
+                option, f"scheme {name!r}, a Godunov scheme", "None, or a scheme with artificial viscosity"
             )
     if numerics.riemann == "acoustic":
         for k, material in enumerate(data.materials):
             cold = (data.mat == k) & (data.e <= 0.0)
             if material.bulk_speed == 0.0 and np.any(cold):
-                raise InputError(
-                    f"material {material.name!r} does not go with riemann = 'acoustic' in scheme {name!r}: "
+                raise values.clash(
+                    f"material {material.name!r}", f"riemann = 'acoustic' in scheme {name!r}",
+                    "riemann = 'two-shock', or an internal energy above 0",
                     f"{np.count_nonzero(cold)} particles of it start without internal energy, so they have no sound "
-                    "speed and no impedance; allowed: riemann = 'two-shock', or an internal energy above 0"
-                )
+                    "speed and no impedance",
+                )  # fmt: skip

@@ -1,0 +1,30 @@
+"""Memory that runs out on the way: one line, whoever was refused it."""
+
+import contextlib
+from collections.abc import Iterator
+
+from .errors import RunError
+from .messages import machine
+
+SAYINGS = ("Failed to allocate", "failed to map segment", "annot allocate memory")
+"""What Warp says when there is no memory for an array, and the system when there is none for a library."""
+
+
+@contextlib.contextmanager
+def told() -> Iterator[None]:
+    """Let what runs out of memory in the body end as other trouble of a run does.
+
+    Raises:
+        RunError: In place of a `MemoryError` of Python and numpy, of what Warp raises, and of a library or a process
+            that the system has no memory for.
+    """
+    try:
+        yield
+    except RunError:
+        raise
+    except MemoryError as error:
+        raise machine.out_of_memory(str(error)) from error
+    except (RuntimeError, ImportError, OSError) as error:
+        if not any(saying in str(error) for saying in SAYINGS):
+            raise
+        raise machine.out_of_memory(str(error)) from error

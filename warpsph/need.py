@@ -1,0 +1,137 @@
+"""What a run will need of memory, known before anything is allocated; `memory.usage` tells what it has then taken."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import warp as wp
+
+from . import census
+from .block import LINE
+from .blocks import Blocks
+from .cells import count_cells
+from .fields import of_groups
+from .kernels.ledger import MAXIMA, SUMS
+from .kernels.spec import Spec
+from .memory import Policy
+from .particles import element_types
+from .rows import lasting
+from .scene import SceneData
+from .schemes.scheme import Scheme
+from .tiles import first_width, tiles_of
+
+AT_HAND = 160
+"""Bytes for each particle that an output takes beside its copy of the state: a tensor, in order and in the file's form."""
+
+
+@dataclass(frozen=True)
+class Need:
+    """Memory of a run.
+
+    Attributes:
+        particles: Number of particles.
+        device: Bytes on the device, by what they hold.
+        copies: Copies of the state on the host that outputs may take at a time.
+        outputs: Bytes of these, and of what writing them takes.
+        later: Bytes more on the device if all particles turn Eulerian.
+    """
+
+    particles: int
+    device: dict[str, int]
+    copies: int
+    outputs: int
+    later: int = 0
+
+    @property
+    def on_device(self) -> int:
+        """Bytes on the device."""
+        return sum(self.device.values())
+
+
+def estimate(
+    data: SceneData, spec: Spec, scheme: Scheme, policy: Policy, device: wp.Device, copies: int = 0
+) -> Need:
+    """Estimate what a solver of a scene will take on a device.
+
+    Neighbours are counted for a sample of the particles, and their rows get what the policy gives them; rows that
+    outgrow that in the run get more.
+
+    Args:
+        data: The scene.
+        spec: Dimension and precision.
+        scheme: The scheme; what its arrays take is found by having them made for one and for two particles.
+        policy: Room of the rows.
+        device: The device.
+        copies: Copies of the state on the host that outputs may take at a time.
+    """
+    n, size = len(data.x), wp.types.type_size_in_bytes
+    types = element_types(spec, scheme.parts)
+    fields = [types[f.kind] for f in of_groups(scheme.groups)]
+    state = n * sum(map(size, fields))
+    rows, all_rows, beside = _rows(data, spec, scheme, policy, device)
+    work = _work_space(n, data, spec, scheme, max(map(size, fields)))
+    neighbours = max(rows, work) if scheme.searching else 0
+    found = {"fields": state, "neighbours": neighbours + beside, "work": _work(n, scheme, device)}
+    if "lagrangian" in scheme.groups:
+        found["reference"] = _reference(data, spec, scheme, policy)
+    outputs = copies * state + (AT_HAND * n if copies else 0)
+    return Need(n, found, copies, outputs, max(all_rows - neighbours, 0) if scheme.searching else 0)
+
+
+def _rows(
+    data: SceneData, spec: Spec, scheme: Scheme, policy: Policy, device: wp.Device
+) -> tuple[int, int, int]:
+    """Bytes of the entries of present rows, of them if every particle has a row, and of what else the search keeps."""
+    n, size = len(data.x), wp.types.type_size_in_bytes
+    radius = scheme.support * data.h + data.numerics.skin * data.h
+    most, hands = tiles_of(device)
+    selective = "lagrangian" in scheme.groups
+    point, vec, real = map(size, (spec.point, spec.vec, spec.real))
+    beside = n * (4 * (4 + selective) + point)  # order, start, n_neigh, member, role and x_listed
+    beside += 4 * _cells(data, radius, [axis for axis, _ in data.planes])
+    beside += most * (2 * point + 2 * vec + 4 + 16 * selective + hands * (real + (hands > 1) * 2 * vec))
+    if not scheme.searching:
+        return 0, 0, beside
+    chosen = census.sample(n)
+    rooms = _rooms(census.neighbours(data, chosen, radius), policy)
+    everyone = 4 * policy.growth * n * float(rooms.mean())
+    if not selective:
+        return int(everyone), int(everyone), beside
+    width = first_width(n, most, data.spacing, data.dim)
+    listed = census.with_rows(data, radius, width, most)
+    rooms = np.where(listed[chosen], rooms, _rooms(np.zeros(1), policy))
+    return int(4 * policy.growth * n * float(rooms.mean())), int(everyone), beside
+
+
+def _rooms(counts: np.ndarray, policy: Policy) -> np.ndarray:
+    """Entries that rows get, see `kernels.neighbours.reserve`."""
+    return -(-(counts + counts // policy.divisor + policy.spare) // policy.lanes) * policy.lanes
+
+
+def _work_space(n: int, data: SceneData, spec: Spec, scheme: Scheme, largest: int) -> int:
+    """Bytes that rebuilding the rows works in: sorting, tiles, and a field that changes its order."""
+    radius = scheme.support * data.h + data.numerics.skin * data.h
+    cells = _cells(data, radius, [axis for axis, _ in data.planes])
+    return max(16 * n + 4 * cells, 24 * n, largest * n) + 4 * wp.types.type_size_in_bytes(LINE)
+
+
+def _cells(data: SceneData, reach: float, mirrored: list[int]) -> int:
+    """Cells of a search."""
+    return int(np.prod(count_cells(data.x, data.dim, reach, mirrored)))
+
+
+def _reference(data: SceneData, spec: Spec, scheme: Scheme, policy: Policy) -> int:
+    """Bytes of reference rows and of what goes with each entry and each particle."""
+    n, size, reach = len(data.x), wp.types.type_size_in_bytes, scheme.support * data.h
+    counts = census.neighbours(data, census.sample(n), reach, same_body=True)
+    entries = n * float(_rooms(counts, lasting(policy)).mean())
+    corrected = scheme.reference_correction
+    own = 8 + size(spec.vec) + (size(spec.mat) + size(spec.vec) if corrected else 0)
+    rows = max(4 * entries, 16 * n + 4 * _cells(data, reach, []))
+    return int(rows + (1 + corrected) * size(spec.real) * entries + own * n)
+
+
+def _work(n: int, scheme: Scheme, device: wp.Device) -> int:
+    """Bytes of the arrays of a step, and of the sums that the ledger takes block by block."""
+    with wp.ScopedDevice("cpu"):
+        one, two = (sum(array.capacity for array in scheme.arrays(k).values()) for k in (1, 2))
+    return one + (n - 1) * (two - one) + 8 * Blocks(n, device.is_cuda).count * (len(SUMS) + len(MAXIMA))
