@@ -10,7 +10,7 @@ import numpy as np
 from . import units
 from .drawing.furniture import as_written
 from .errors import InputError
-from .messages import values
+from .messages import files, values
 from .storage import atomic, history
 
 if TYPE_CHECKING:
@@ -59,9 +59,7 @@ def plot(folder: Path, output: Path | None = None) -> Path:
         raise InputError(f"{Path(folder) / 'history.csv'} has no rows yet; nothing can be plotted")
     panels = group([name for name in names if name not in CLOCK], dict(zip(names, column_units, strict=True)))
     if len(panels) > MOST_PANELS:
-        raise InputError(
-            f"{Path(folder) / 'history.csv'} has {len(panels)} quantities; a plot holds up to {MOST_PANELS}"
-        )
+        raise files.no_plot(Path(folder) / "history.csv", len(panels), MOST_PANELS)
     across = max(1, min(3, len(panels)))
     down = math.ceil(len(panels) / across)
     figure = Figure(figsize=(5.0 * across, 3.1 * down), dpi=120, layout="constrained")

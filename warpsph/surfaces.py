@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import mesh_files
-from .errors import InputError
+from .messages import files
 
 if TYPE_CHECKING:
     import pyvista
@@ -40,9 +40,7 @@ def closed_surface(source: "str | Path | pyvista.PolyData") -> "pyvista.PolyData
     edges = np.sort(_edges(surface), axis=1)
     open_edges = np.count_nonzero(_times(edges) != 2)
     if open_edges:
-        raise InputError(
-            f"mesh {name} is not closed: {open_edges} open or multiple edges; allowed: a closed surface"
-        )
+        raise files.no_surface(name, f"is not closed: {open_edges} open or multiple edges")
     return _outward(surface, name)
 
 
@@ -112,11 +110,9 @@ def _triangles(mesh: object, name: str) -> "pyvista.PolyData":
     import pyvista
 
     if not isinstance(mesh, pyvista.PolyData):
-        raise InputError(
-            f"mesh {name} is not a surface; allowed: a closed surface as file or pyvista.PolyData"
-        )
+        raise files.no_surface(name, "is not a surface")
     if not np.isfinite(mesh.points).all():
-        raise InputError(f"mesh {name} holds points that are not finite; allowed: a closed surface")
+        raise files.no_surface(name, "holds points that are not finite")
     with _silence():
         surface = mesh.triangulate()
     points, place = np.unique(surface.points, axis=0, return_inverse=True)
@@ -126,7 +122,7 @@ def _triangles(mesh: object, name: str) -> "pyvista.PolyData":
     a, b, c = corners.T
     corners = corners[(a != b) & (b != c) & (c != a)]
     if not len(corners):
-        raise InputError(f"mesh {name} holds no triangles; allowed: a closed surface")
+        raise files.no_surface(name, "holds no triangles")
     return pyvista.PolyData.from_regular_faces(points, corners)
 
 
@@ -143,7 +139,7 @@ def _outward(surface: "pyvista.PolyData", name: str) -> "pyvista.PolyData":
     faces, points = surface.regular_faces, surface.points.astype(np.float64)
     volume = np.linalg.det((points - points.mean(axis=0))[faces]).sum() / 6.0
     if abs(volume) <= FLAT * np.prod(np.ptp(points, axis=0)):
-        raise InputError(f"mesh {name} encloses no volume; allowed: a closed surface around something")
+        raise files.no_surface(name, "encloses no volume")
     return surface if volume > 0 else pyvista.PolyData.from_regular_faces(surface.points, faces[:, ::-1])
 
 

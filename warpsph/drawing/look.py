@@ -7,7 +7,7 @@ import numpy as np
 
 from warpsph import units
 from warpsph.errors import InputError
-from warpsph.messages import values
+from warpsph.messages import files, values
 from warpsph.scalars import KERNEL_TYPES, Scalar, scalar
 from warpsph.state import State
 
@@ -117,9 +117,7 @@ def choose(
     box = np.array([np.min(boxes, axis=0)[0], np.max(boxes, axis=0)[1]])
     extent = max(float((box[1] - box[0]).max()), first.spacing)
     if len(first.x) * (first.spacing / extent) ** 2 > MOST_LAYERS:
-        raise InputError(
-            f"{len(first.x)} particles lie within {extent:g} m, a spacing of {first.spacing:g} m apart: nothing can be drawn"
-        )
+        raise files.crowd(len(first.x), extent, first.spacing)
     limits, extend = _limits(np.array(spans), first_quantity, range)
     signed = limits[0] < -SMALL * (limits[1] - limits[0]) and limits[1] > SMALL * (limits[1] - limits[0])
     if cut is not None and first.dim != 3:

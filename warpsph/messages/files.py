@@ -14,6 +14,11 @@ MESHES = "a closed surface as STL, OBJ or PLY file"
 """Files that a mesh can come from."""
 
 
+def absent(path: Path, form: str) -> InputError:
+    """A file that is not there, or is a folder, a pipe or the like."""
+    return InputError(f"{path} does not exist or is no file; give a {form}")
+
+
 def damaged(path: Path, form: str, error: Exception) -> InputError:
     """A file of ours that is no longer what was written, or never was one; ``error`` says what is wrong."""
     lines = printable(str(error).strip("'\" .")).splitlines() or [""]
@@ -37,6 +42,11 @@ def other_version(path: Path, version: int, found: object) -> InputError:
     return InputError(f"{path} has format version {shown(found)}; this warpsph reads version {version}")
 
 
+def no_surface(name: str, why: str) -> InputError:
+    """A mesh, from a file or not, that is no closed surface; ``why`` goes on from its name."""
+    return InputError(f"mesh {name} {why}; allowed: a closed surface, as file or pyvista.PolyData")
+
+
 def no_mesh(path: Path) -> InputError:
     """A mesh that is not there, or is a folder or no plain file."""
     return InputError(f"mesh {path} does not exist or is no file; allowed: {MESHES}")
@@ -57,3 +67,15 @@ def wrong_array(name: str, array: "np.ndarray", shape: tuple[int, ...]) -> Input
 def wrong_numbers(names: list[str]) -> InputError:
     """Numbers of bodies, materials and the like in a checkpoint that stand for nothing in the scene."""
     return InputError(f"checkpoint holds numbers in {', '.join(names)} that stand for nothing in this scene")
+
+
+def no_plot(path: Path, panels: int, most: int) -> InputError:
+    """A history with more quantities than a plot can hold."""
+    return InputError(f"{path} has {panels} quantities; a plot holds up to {most}")
+
+
+def crowd(particles: int, extent: float, spacing: float) -> InputError:
+    """A snapshot whose particles lie on top of each other; lengths in [m]."""
+    return InputError(
+        f"{particles} particles of {spacing:g} m lie within {extent:g} m: nothing can be drawn; allowed: another snapshot"
+    )

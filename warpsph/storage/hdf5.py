@@ -74,7 +74,7 @@ def reading(path: Path, form: str, version: int, *, whole: bool = True) -> Itera
     """
     path = Path(path)
     if not path.is_file():
-        raise InputError(f"{path} does not exist or is no file; give a {form}")
+        raise files.absent(path, form)
     try:
         with path.open("rb") as stream:
             index = seal.index(stream)
