@@ -143,12 +143,18 @@ def test_the_time_is_read_without_the_particles(path, monkeypatch):
     assert snapshot.time(path) == 3e-6
 
 
-def test_an_array_in_pieces_is_not_written(tmp_path):
-    with (
-        pytest.raises(ValueError, match="not stored in one piece"),
-        hdf5.writing(tmp_path / "a.h5", "form", 1, {}) as file,
-    ):
-        file.create_dataset("a", data=np.zeros(10), chunks=(5,))
+@pytest.mark.parametrize(
+    ("array", "how", "message"),
+    [
+        (np.zeros(10), {"chunks": (5,)}, "not stored in one piece"),
+        (np.zeros(10), {"fletcher32": True}, "not stored in one piece"),
+        (np.zeros(10, dtype=bool), {}, "has the type bool, which is not read back"),
+        (np.zeros(10, dtype=complex), {}, "has the type complex128"),
+    ],
+)
+def test_what_would_not_be_read_back_is_not_written(tmp_path, array, how, message):
+    with pytest.raises(ValueError, match=message), hdf5.writing(tmp_path / "a.h5", "form", 1, {}) as file:
+        file.create_dataset("a", data=array, **how)
     assert not list(tmp_path.iterdir())
 
 

@@ -21,7 +21,7 @@ from . import atomic, seal
 if TYPE_CHECKING:
     import h5py
 
-KINDS = tuple(np.dtype(kind).str for kind in ("f4", "f8", "i4", "i8"))
+KINDS = tuple(np.dtype(kind).str for kind in ("f4", "f8", "i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8"))
 """Types of the numbers that arrays may have."""
 
 MOST_AXES = 4
@@ -40,7 +40,7 @@ def writing(path: Path, form: str, version: int, facts: dict[str, Any]) -> Itera
 
     Raises:
         RunError: If it cannot be written.
-        ValueError: If an array is not stored in one piece.
+        ValueError: If an array is not stored in one piece, or of a type that `reading` does not know.
     """
     import h5py
 
@@ -199,7 +199,9 @@ def _places(group: "h5py.Group") -> dict[str, tuple[str, tuple[int, ...], int]]:
     for name, item in group.items():
         if isinstance(item, h5py.Group):
             places |= {f"{name}/{inner}": place for inner, place in _places(item).items()}
-        elif item.dtype.kind in "iuf":
+        elif h5py.check_string_dtype(item.dtype) is None:  # texts are for other programs
+            if item.dtype.str not in KINDS:
+                raise ValueError(f"array {name!r} has the type {item.dtype}, which is not read back")
             start = item.id.get_offset() if item.size else 0
             if start is None:
                 raise ValueError(f"array {name!r} is not stored in one piece")
