@@ -6,7 +6,6 @@ from typing import NamedTuple
 import warp as wp
 
 from .cells import ALONG, make_cells
-from .kernel_type import ERODED
 from .lanes import make_lanes
 from .mirror import INDEX_BITS, make_mirror
 from .spec import Spec
@@ -30,7 +29,7 @@ def make_neighbours(
         s: Specialisation.
         planes: There are symmetry planes, whose mirror images count.
         same_body: Particles of another body are no neighbours.
-        selective: Only particles of a role have a row, and eroded ones are nobody's neighbours.
+        selective: Only particles of a role have a row, and those of a negative one are nobody's neighbours.
     """
     real, vec, place, point = s.real, s.vec, s.place, s.point
     mirror, dot = make_mirror(s, planes), make_tensor(s).dot
@@ -39,10 +38,10 @@ def make_neighbours(
     module = s.module(__name__, "_".join(filter(None, options)))
 
     @wp.func
-    def fits(body_i: wp.int32, body_j: wp.int32, type_j: wp.int32):
+    def fits(body_i: wp.int32, body_j: wp.int32, role_j: wp.int32):
         if wp.static(same_body) and body_i != body_j:
             return False
-        if wp.static(selective) and type_j == ERODED:
+        if wp.static(selective) and role_j < 0:
             return False
         return True
 
@@ -58,7 +57,6 @@ def make_neighbours(
         # in:
         x: wp.array[point],
         body: wp.array[wp.int32],
-        kernel_type: wp.array[wp.int32],
         role: wp.array[wp.int32],
         plane: point,
         plane_mask: wp.int32,
@@ -87,7 +85,7 @@ def make_neighbours(
         end = start[i + 1]
         at = wp.int32(first)
         if wp.static(selective):
-            if role[i] == 0 or kernel_type[i] == ERODED:
+            if role[i] <= 0:
                 n_neigh[i] = 0
                 return
         mask = wp.int32(0)
@@ -123,7 +121,7 @@ def make_neighbours(
                             xij = vec(xi - x_sorted[k])
                             near = dot(xij, xij) < radius * radius and (j != i or mask > 0)
                             if wp.static(same_body or selective):
-                                near = near and fits(body[i], body[j], kernel_type[j])
+                                near = near and fits(body[i], body[j], role[j])
                             at += wp.where(near, 1, 0)
                             k += 1
                         r += 1

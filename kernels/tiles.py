@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import warp as wp
 
-from .kernel_type import EULERIAN
+from .kernel_type import ERODED, EULERIAN
 from .spec import Spec
 
 
@@ -169,6 +169,7 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
     def roles(
         offset: wp.int32,
         # in:
+        kernel_type: wp.array[wp.int32],
         box_low: wp.array[point],
         box_high: wp.array[point],
         active: wp.array[wp.int32],
@@ -182,7 +183,10 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
         tile_role: wp.array[wp.int32],
         role: wp.array[wp.int32],
     ):
-        """Role of a tile's particles: 2 in an active tile, 1 within the rows' reach of one or of another body, else 0."""
+        """Role of a tile's particles: 2 in an active tile, 1 within the rows' reach of one or of another body, else 0.
+
+        An eroded particle has -1 minus that: it is in no row, and what its tile's role was can still be told.
+        """
         t = wp.tid() + offset
         if t >= n_tiles[0]:
             return
@@ -197,7 +201,8 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
                         found = 1
         tile_role[t] = found
         for k in range(tile_start[t], tile_start[t + 1]):
-            role[member[k]] = found
+            i = member[k]
+            role[i] = wp.where(kernel_type[i] == ERODED, -1 - found, found)
 
     @wp.kernel(module=module)
     def motion(

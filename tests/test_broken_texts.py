@@ -11,7 +11,7 @@ from tools import body, jittered
 from warpsph import info, library, plot, run, scalars, solver
 from warpsph.drawing import look
 from warpsph.errors import InputError
-from warpsph.storage import history, text
+from warpsph.storage import checkpoint, history, text
 
 
 @pytest.mark.parametrize(
@@ -91,35 +91,46 @@ def test_odd_scene_files(tmp_path, monkeypatch):
 
 
 FACTS = {
-    "time": 1.0, "until": 2.0, "interval": 0.5, "next_snapshot": 3, "next_row": 1.0, "wall": 1.0, "step_wall": 1.0, "device": "cpu",
-    "solver": {}, "balance": {}, "parameters": {}, "peaks": {}, "neighbours": [3.0],
+    "time": 1.0, "until": 2.0, "row_time": 1.0, "device": "cpu", "precision": "float64", "device_name": "", "version": "", "warp": "",
+    "solver": {}, "balance": {}, "parameters": {},
+}  # fmt: skip
+JOB = {
+    "interval": 0.5, "row_interval": 0.01, "ends": [2.0], "due": 3, "next_snapshot": 3, "next_row": 1.0, "neighbours": [3.0],
+    "peaks": {}, "remarks": [], "wall": 1.0, "step_wall": 1.0,
 }  # fmt: skip
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("change", "job", "message"),
     [
-        ({"until": float("inf")}, "until is not a positive number"),
-        ({"next_row": -1.0}, "next_row is not a number that is not negative"),
-        ({"interval": 5e-324}, "snapshots lag behind"),
-        ({"parameters": [1]}, "parameters is not a record"),
-        ({"neighbours": ["1"]}, "neighbours is not a finite number"),
-        ({"device": "\x1b"}, "device is not a printable text"),
+        ({"until": float("inf")}, {}, "until is not a positive number"),
+        ({"parameters": [1]}, {}, "parameters is not a record"),
+        ({"device": "\x1b"}, {}, "device is not a printable text"),
+        ({}, {"next_row": -1.0}, "next_row is not a number that is not negative"),
+        ({}, {"interval": 5e-324}, "outputs have no end"),
+        ({}, {"neighbours": ["1"]}, "neighbours is not a finite number"),
+        ({}, {"finish": 1}, "facts that no job has"),
     ],
 )
-def test_a_run_goes_on_from_sound_facts_only(tmp_path, change, message):
-    run._check(tmp_path, FACTS)
+def test_a_run_goes_on_from_sound_facts_only(tmp_path, change, job, message):
+    def check(change, job):
+        run._check(checkpoint.Found({}, FACTS | {"job": JOB | job} | change, tmp_path / "checkpoint.h5", []))
+
+    check({}, {})
     with pytest.raises(InputError, match=rf"checkpoint\.h5 is damaged .*{message}"):
-        run._check(tmp_path, FACTS | change)
+        check(change, job)
 
 
 def test_arrays_of_a_checkpoint_fit_the_run():
-    particles = body(2, jittered(2, 4)).particles
-    arrays = particles.arrays()
-    particles.restore(arrays)
-    n = particles.n
+    going = body(2, jittered(2, 4))
+    arrays, info = going.save()
+    arrays = {name: array.copy() for name, array in arrays.items()}
+    going.restore(arrays, info)
+    n = going.particles.n
     for name, array, message in (
         ("x", arrays["x"][:-1], "holds x as float64 of shape"),
+        ("x_listed", arrays["x"][:-1], "holds x_listed as float64 of shape"),
+        ("clock", np.zeros((3, 3)), "holds clock as"),
         ("tau", arrays["tau"][:, :3], "this run needs shape"),
         ("rho", arrays["rho"].astype(np.int32), "holds rho as int32"),
         ("body", np.full(n, 1, dtype=np.int32), "stand for nothing"),
@@ -127,7 +138,7 @@ def test_arrays_of_a_checkpoint_fit_the_run():
         ("id", np.zeros(n, dtype=np.int32), "stand for nothing"),
     ):
         with pytest.raises(InputError, match=message):
-            particles.restore(arrays | {name: array})
+            going.restore(arrays | {name: array}, info)
 
 
 def test_figures_without_bounds_do_not_stop_a_description():

@@ -81,6 +81,28 @@ def test_twice_the_same_bits(cuda, scheme):
         np.testing.assert_array_equal(values, second[name], err_msg=name)
 
 
+@pytest.mark.parametrize("scheme", ["sav1-as", "ts2", "adaptle-mixed-as"])
+def test_a_restart_between_batches_gives_the_same_bits(cuda, scheme):
+    """And one from the CPU's checkpoint goes on, as near as two devices are."""
+    options = {"conversion": Conversion(strain=0.1)} if scheme.startswith("adaptle") else {}
+    made, saved = collision(2, speed=900.0, scheme=scheme, **options), []
+    straight, here = Solver(made.finalize(), device=cuda), Solver(made.finalize())
+    straight.advance(3e-6, lambda now: saved.append(straight.save()) and None)
+    here.advance(1.5e-6)
+    moved = Solver(made.finalize(), device=cuda)
+    moved.restore(*here.save())
+    for solver in (here, moved):
+        solver.advance(3e-6)
+    np.testing.assert_allclose(by_id(moved, "v"), by_id(here, "v"), atol=1e-6 * 900.0)
+    for arrays, info in saved[::5]:
+        restarted = Solver(made.finalize(), device=cuda)
+        restarted.restore(arrays, info)
+        restarted.advance(3e-6)
+        assert restarted.reading == straight.reading
+        for name, values in straight.particles.arrays().items():
+            np.testing.assert_array_equal(values, restarted.particles.arrays()[name], err_msg=name)
+
+
 @pytest.mark.parametrize("scheme", ["sav1", "ts2", "tl", "adaptle-mixed-as"])
 def test_a_graph_is_captured_and_gives_the_bits_of_plain_launches(cuda, scheme):
     replayed, plain = (Solver(collision(3, scheme=scheme).finalize(), device=cuda) for _ in range(2))

@@ -93,12 +93,10 @@ def test_a_lagrangian_restart_gives_the_same_bits(kind, tmp_path):
     before = ends(straight)
     assert sum(before) > 5
     checkpoint.save(tmp_path / "checkpoint.h5", *straight.save())
-    straight.relist()
     straight.advance(4e-6)
     assert ends(straight) > before
     restarted = Solver(made.finalize())
     restarted.restore(*checkpoint.load(tmp_path / "checkpoint.h5"))
-    restarted.relist()
     restarted.advance(4e-6)
     assert restarted.reading == straight.reading
     assert restarted.neighbours.builds == straight.neighbours.builds
@@ -127,10 +125,8 @@ def test_a_ceramic_restarts_with_the_same_bits():
     made = collision(radius=6, speed=800.0, material="sic", scheme="sav1")
     straight, stopped = (run(made, time) for time in (3e-6, 1.5e-6))
     assert straight.particles.D.numpy().max() == 1.0
-    stopped.relist()
     restarted = Solver(made.finalize())
     restarted.restore(*stopped.save())
-    restarted.relist()
     restarted.advance(3e-6)
     stopped.advance(3e-6)
     assert_same(stopped, restarted)
@@ -158,11 +154,9 @@ def test_a_restart_gives_the_same_bits(scheme, tmp_path):
     made = collision(scheme=scheme, speed=1000.0)
     straight = run(made, 2e-6)
     checkpoint.save(tmp_path / "checkpoint.h5", *straight.save())
-    straight.relist()
     straight.advance(5e-6)
     restarted = Solver(made.finalize())
     restarted.restore(*checkpoint.load(tmp_path / "checkpoint.h5"))
-    restarted.relist()
     restarted.advance(5e-6)
     assert restarted.neighbours.builds == straight.neighbours.builds
     assert restarted.reading == straight.reading
@@ -202,7 +196,9 @@ def test_a_run_that_crashed_goes_on_as_if_it_had_not(tmp_path):
     (arrays, info), (others, other) = (checkpoint.load(out / "checkpoint.h5") for out in (straight, broken))
     for name in arrays:
         np.testing.assert_array_equal(arrays[name], others[name], err_msg=name)
-    assert {**info, "wall": 0, "step_wall": 0} == {**other, "wall": 0, "step_wall": 0}
+    for facts in (info, other):
+        del facts["job"]["wall"], facts["job"]["step_wall"]
+    assert info == other
     assert (straight / "history.csv").read_text() == (broken / "history.csv").read_text()
     assert len(history.read(broken / "history.csv")[2]["time"]) > 20
     timings = ("wall_s", "step_wall_s", "ns_per_particle_step", "ns_per_pair")

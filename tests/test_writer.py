@@ -189,7 +189,7 @@ def test_ctrl_c_waits_for_a_slow_disk(tmp_path, monkeypatch):
     times = [snapshot.time(path) for path in snapshot.find(out)]
     assert len(times) == 4 and times == sorted(set(times)) and 1.2e-6 < times[-1] < 1.5e-6
     info = checkpoint.load(out / "checkpoint.h5")[1]
-    assert (info["time"], info["next_snapshot"]) == (times[-1], 3)
+    assert (info["time"], info["job"]["next_snapshot"]) == (times[-1], 3)
     assert not list(out.rglob("*.part"))
 
 
@@ -233,10 +233,8 @@ def test_a_disk_that_fills_up_under_hdf5_is_one_clean_error(tmp_path, limit):
 
 def test_host_memory_is_used_again(tmp_path, monkeypatch):
     """As many copies as outputs are in memory, not as many as there are outputs."""
-    from warpsph.particles import Particles
-
-    rooms, room = [], Particles.room
-    monkeypatch.setattr(Particles, "room", lambda self: rooms.append(1) or room(self))
+    rooms, room = [], Solver.room
+    monkeypatch.setattr(Solver, "room", lambda self: rooms.append(1) or room(self))
     run_scene(balls(), tmp_path / "out", frames=False)
     assert 1 <= len(rooms) <= PENDING and len(snapshot.find(tmp_path / "out")) == 7
 

@@ -13,6 +13,7 @@ from cyclopts import App, CycloptsError, Group, Parameter, UnusedCliTokensError
 from . import __version__, exhaustion, library
 from .errors import InputError, RunError
 from .library import SceneFile
+from .messages import files
 from .messages.values import printable
 from .progress import Progress, quiet_warp
 from .storage import folder as output_folder
@@ -182,6 +183,7 @@ def resume(
     *,
     until: float | None = None,
     device: str | None = None,
+    precision: Literal["float64", "float32", "mixed"] | None = None,
     threads: int | None = None,
     frames: bool = True,
 ) -> None:
@@ -191,18 +193,20 @@ def resume(
         folder: Folder of the run.
         until: New time to stop at [s]; that of the run if not given.
         device: Where to compute; as before if not given.
+        precision: Arithmetic of the particles; as before if not given.
         threads: CPU threads; all cores if not given.
         frames: Render a picture for each snapshot.
     """
     _check_limits(until, threads)
-    if not (folder / "checkpoint.h5").is_file():
-        raise InputError(f"{folder} holds no checkpoint.h5; allowed: the folder of a run")
+    if not output_folder.checkpoints(folder):
+        raise files.no_checkpoint(folder, output_folder.NEWEST)
     with _reporting(device) as progress:
         from .run import resume as resume_run
 
         summary = resume_run(
-            folder, until=until, threads=threads, device=device, frames=frames, progress=progress
-        )
+            folder, until=until, threads=threads, device=device, precision=precision, frames=frames,
+            progress=progress,
+        )  # fmt: skip
     _print_summary(summary, folder)
 
 
@@ -244,10 +248,10 @@ def render(
 
 
 def info(path: Path, /) -> None:
-    """Describe a run (its summary) or a snapshot (bodies, time, range of every quantity).
+    """Describe a run (its summary), a snapshot (bodies, time, range of every quantity) or a checkpoint.
 
     Args:
-        path: Folder of a run, or a .vtkhdf file.
+        path: Folder of a run, a .vtkhdf file, or a checkpoint .h5.
     """
     from .info import describe
 

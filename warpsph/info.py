@@ -1,4 +1,4 @@
-"""What ``warpsph info`` prints about a finished run or a snapshot, and the tables of the other commands."""
+"""What ``warpsph info`` prints about a finished run, a snapshot or a checkpoint, and the tables of the other commands."""
 
 import json
 from collections.abc import Iterable, Sequence
@@ -10,7 +10,7 @@ import numpy as np
 from .errors import InputError
 from .messages.values import printable
 from .progress import clock, si
-from .storage import text
+from .storage import folder, text
 
 if TYPE_CHECKING:
     from .state import State
@@ -27,25 +27,34 @@ DEEPEST = 50
 FOREVER = 1e12
 """A wall time beyond this is none [s]."""
 
-SECONDS = ("time", "dt_min", "dt_max", "step_wall_s")
+SECONDS = ("time", "until", "dt_min", "dt_max", "step_wall_s")
 """Entries of a summary that read well with an SI prefix."""
 
 
 def describe(path: Path) -> str:
-    """Describe a run folder (its summary, else its last snapshot) or a snapshot file.
+    """Describe a run folder (its summary, else its last snapshot, and its checkpoints), a snapshot or a checkpoint.
 
     Raises:
         InputError: If it is neither, or damaged.
     """
-    from .storage import snapshot
+    from .storage import checkpoint, snapshot
 
     path = Path(path)
     if not path.exists():
         raise InputError(f"{path} does not exist; allowed: a run folder or a .vtkhdf snapshot")
     if path.is_file() and path.suffix == ".json":
         return describe_summary(read_summary(path))
+    if path.is_file() and path.suffix == ".h5":
+        return describe_checkpoint(checkpoint.facts(path))
     if path.is_file():
         return describe_state(snapshot.read(path))
+    return "\n".join([_describe_folder(path), *map(_checkpoint_line, folder.checkpoints(path))])
+
+
+def _describe_folder(path: Path) -> str:
+    """Describe a run by its summary, else by its last snapshot."""
+    from .storage import snapshot
+
     if (path / "summary.json").is_file():
         return describe_summary(read_summary(path / "summary.json"))
     found = snapshot.find(path)
@@ -94,6 +103,24 @@ def describe_summary(summary: dict[str, Any]) -> str:
             rows.append((key, _value(key, value)))
     warnings = [f"warning: {printable(str(line))}" for line in summary.get("warnings", [])]
     return "\n".join([table(rows), *warnings])
+
+
+def describe_checkpoint(facts: dict[str, Any]) -> str:
+    """Write out what a checkpoint says of its run, one entry a line."""
+    from .storage.checkpoint import HEADER
+
+    return describe_summary({name: facts[name] for name in ("format_version", *HEADER) if name in facts})
+
+
+def _checkpoint_line(path: Path) -> str:
+    """One line on a checkpoint: its time and step, or why it cannot be read."""
+    from .storage import checkpoint
+
+    try:
+        facts = checkpoint.facts(path)
+    except InputError as error:
+        return f"warning: {error}"
+    return f"{path.name}: {si(facts['time'], 's')}, step {facts['step']}"
 
 
 def describe_state(state: "State") -> str:

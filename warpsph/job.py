@@ -12,11 +12,12 @@ from typing import Any
 
 import warp as wp
 
-from . import __version__, exhaustion
+from . import __version__, exhaustion, origin
 from .balance import Balance, energy
 from .clock import Reading
 from .errors import RunError
 from .kernels.parts import PARTS
+from .messages import remarks
 from .progress import Progress
 from .scene import SceneData
 from .solver import Solver
@@ -55,7 +56,9 @@ class Job:
         self.data: SceneData = solver.data
         self.step_wall, self.wall = 0.0, 0.0
         self.next_snapshot, self.next_row = 0, 0.0
-        self.interval = until / self.data.snapshots
+        self.interval, self.row_interval = until / self.data.snapshots, until / HISTORY_ROWS
+        self.ends, self.due = [until], 0  # ends so far, and how many intervals until the next output
+        self.remarks: list[str] = []  # what was to be said when the run was gone on with
         self.warnings: list[str] = []
         self.peaks = {name: -math.inf for name, measure in self.data.measures.items() if measure.peak}
         self._started = time.perf_counter()
@@ -74,20 +77,28 @@ class Job:
         self._row()
         self._output()
 
-    def go_on(self, arrays: dict, info: dict) -> None:
-        """Start from a checkpoint."""
+    def go_on(self, found: checkpoint.Found) -> None:
+        """Start from a checkpoint: files are as they were then, and the next batch of steps is the one that was due."""
+        info = found.info
         self.balance = Balance(self.data, self.solver.ledger())
-        self.solver.restore(arrays, info["solver"])
-        self.solver.relist()
+        self.solver.restore(found.arrays, info["solver"])
         self.balance.restore(info["balance"])
-        self.history = History.reopen(self.out / "history.csv", info["time"])
-        self.neighbours, self.peaks = info["neighbours"], info["peaks"]
-        self.interval, self.next_snapshot = info["interval"], info["next_snapshot"]
-        self.next_row = info["next_row"]
-        self.step_wall, self.wall = info["step_wall"], info["wall"]
-        later = snapshot.find(self.out)[self.next_snapshot :]  # the last snapshot of an interrupted run
-        for path in later:
-            path.unlink()
+        self.history = History.reopen(self.out / "history.csv", info["row_time"])
+        checkpoint.go_on_from(found.path)
+        for name, value in info["job"].items():
+            setattr(self, name, value)
+        self.ends = sorted({*self.ends, self.until})
+        self._row_time = info["row_time"]
+        said = found.remarks + origin.differences(info, origin.header(self.solver, self.out))
+        if self.history.last != info["row_time"]:
+            said.append(remarks.history_lost(self.history.path, self.history.last, info["row_time"]))
+        self.remarks = self.remarks + said
+        self.warnings += self.remarks
+        for line in said:
+            self.progress.message(line)
+        for path in snapshot.find(self.out):
+            if int(path.stem.rpartition("_")[2]) >= self.next_snapshot:  # of what is done again
+                path.unlink()
 
     def finish(self, frames: bool) -> dict[str, Any]:
         """Run to the end, whatever ends it, and write the summary."""
@@ -105,7 +116,7 @@ class Job:
             self.progress.stop()
             if before is not None:
                 signal.signal(signal.SIGINT, before)
-        if self._stop_asked:
+        if self._stop_asked and self.solver.reading.time < self.until:
             self._last_words(
                 f"interrupted at t = {self.solver.reading.time:g} s; `warpsph resume {self.out}` goes on"
             )
@@ -125,16 +136,20 @@ class Job:
         self.solver.prepare()  # compile before the clock runs
         self._mark = (time.perf_counter(), self.solver.reading.steps)
         while self.solver.reading.time < self.until and not self._stop_asked:
-            target = min(self.next_snapshot * self.interval, self.until)
-            if self.until - target < 1e-6 * self.interval:
-                target = self.until
             start = time.perf_counter()
             self._paused = 0.0
+            target = self._target()
             self.solver.advance(target, self._on_batch)
             self.step_wall += time.perf_counter() - start - self._paused
-            if not self._stop_asked:
+            if self.solver.reading.time >= target:
                 self._row()
                 self._output()
+
+    def _target(self) -> float:
+        """The next output time [s]: a multiple of the interval, or an end of the run, also one that it had before."""
+        ends = [end for end in self.ends if self.solver.reading.time < end]
+        due = min(self.due * self.interval, ends[0])
+        return ends[0] if ends[0] - due < 1e-6 * self.interval else due
 
     def _on_batch(self, now: Reading) -> bool:
         """Write what is due between two batches of steps; tells the solver whether to stop."""
@@ -162,7 +177,7 @@ class Job:
         own = dict(zip((name for name, _ in OWN_COLUMNS), values, strict=True))
         self.history.write(list((own | self._measures()).values()))
         while self.next_row <= now.time:
-            self.next_row += self.until / HISTORY_ROWS
+            self.next_row += self.row_interval
 
     def _measures(self) -> dict[str, float]:
         if not self.data.measures:
@@ -174,14 +189,15 @@ class Job:
         return found
 
     def _output(self) -> None:
-        """Hand a snapshot and a checkpoint to the writer's thread; rebuild the rows, as a restart from here does."""
+        """Hand a snapshot and a checkpoint to the writer's thread."""
         number, self.next_snapshot = self.next_snapshot, self.next_snapshot + 1
+        if self.solver.reading.time > (self.due - 1e-6) * self.interval:
+            self.due += 1
         self._writer.submit(lambda: self._take(number))
-        self.solver.relist()
 
     def _take(self, number: int, going_on: bool = True) -> Callable[[], None]:
         """Copy the state to the host; gives what writes it: a snapshot, then the checkpoint that counts on it."""
-        room = self._rooms.pop() if self._rooms else self.solver.particles.room()
+        room = self._rooms.pop() if self._rooms else self.solver.room()
         arrays, solver = self.solver.save(room)
         state, info = self.solver.state(arrays), self._info(solver)
         path = self.out / "snapshots" / f"{self.data.name}_{number:04d}.vtkhdf"
@@ -190,18 +206,23 @@ class Job:
             snapshot.write(path, state)
             snapshot.series(path.parent, self._times)
             if going_on:
-                checkpoint.save(self.out / "checkpoint.h5", arrays, info)
+                checkpoint.save_newest(self.out, arrays, info)
             self._rooms.append(room)
 
         return write
 
     def _info(self, solver: dict) -> dict[str, Any]:
         """Everything a restart needs besides the arrays; nothing in it changes later."""
-        return {
-            "solver": solver, "balance": self.balance.save(), "parameters": self.parameters,
-            "time": self.solver.reading.time, "until": self.until, "interval": self.interval,
-            "next_snapshot": self.next_snapshot, "next_row": self.next_row, "neighbours": self.neighbours,
-            "peaks": dict(self.peaks), "step_wall": self.step_wall, "wall": self._elapsed(), "device": self.solver.launcher.device.alias,
+        own = {
+            "interval": self.interval, "row_interval": self.row_interval, "ends": list(self.ends),
+            "due": self.due, "next_snapshot": self.next_snapshot, "next_row": self.next_row,
+            "neighbours": self.neighbours, "peaks": dict(self.peaks), "remarks": list(self.remarks),
+            "step_wall": self.step_wall, "wall": self._elapsed(),
+        }  # fmt: skip
+        now = self.solver.reading
+        return origin.header(self.solver, self.out) | {
+            "parameters": self.parameters, "time": now.time, "step": now.steps, "until": self.until,
+            "row_time": self._row_time, "solver": solver, "balance": self.balance.save(), "job": own,
         }  # fmt: skip
 
     def _last_words(self, why: str) -> None:

@@ -73,7 +73,9 @@ def estimate(
     found = {"fields": state, "neighbours": neighbours + beside, "work": _work(n, scheme, device)}
     if "lagrangian" in scheme.groups:
         found["reference"] = _reference(data, spec, scheme, policy)
-    outputs = copies * state + (AT_HAND * n if copies else 0)
+    listed = n * (size(spec.point) + 4 * ("lagrangian" in scheme.groups)) if scheme.searching else 0
+    kept = n * size(spec.real) * len(scheme.lasting)
+    outputs = copies * (state + listed + kept) + (AT_HAND * n if copies else 0)
     return Need(n, found, copies, outputs, max(all_rows - neighbours, 0) if scheme.searching else 0)
 
 

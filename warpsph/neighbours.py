@@ -29,7 +29,8 @@ class Neighbours:
         start: Row offsets, shape [n + 1], int32.
         n_neigh: Entries in use in each row, shape [n], int32.
         neigh: Entries, see `warpsph.rows.Rows`.
-        role: 0: no row; 1: a row; 2: its tile may have Eulerian particles, shape [n], int32 (1 long if all have rows).
+        role: 0: no row; 1: a row; 2: its tile may have Eulerian particles; below 0: was eroded, see `kernels.tiles`;
+            shape [n], int32 (1 long if all have rows).
         unlisted: 1: a particle converted whose neighbours have no rows, shape [1], int32.
         x_listed: Positions at the last build [m], shape [n, 3].
         tiles: Tells when the rows are worn out.
@@ -109,24 +110,57 @@ class Neighbours:
         """Changes when ``neigh`` has moved in memory: launches must be bound again."""
         return self.search.generation
 
-    def build(self) -> None:
-        """Rebuild the rows, and re-sort the particles in memory first when it is time to."""
+    def build(self) -> bool:
+        """Rebuild the rows, and re-sort the particles in memory first when it is time to: True if they have moved."""
         p = self._particles
         if self.builds > 0 and not self._searching:
-            return
+            return False
         self._sort()
-        if self.builds == 0 or (self.builds % SORT_EVERY == 0 and not self._selective):
+        sorting = self.builds == 0 or (self.builds % SORT_EVERY == 0 and not self._selective)
+        if sorting:
             self.block.views((p.largest, p.n))  # all fields move, or none if there is no memory for it
             p.reorder(self.cells.order, lambda dtype: self.block.views((dtype, p.n))[0])
             self._sort()
         self.builds += 1
         if not self._searching:
             self.block.release()
-            return
-        self.tiles.build(self, self.block)
-        self._fill(self.radius)
-        wp.copy(self.x_listed, p.x)
+            return sorting
+        self._list()
         self.unlisted.zero_()
+        return sorting
+
+    def lasting(self) -> dict[str, wp.array]:
+        """What the rows were built from, and whether they still serve, by name: `recall` makes them again from it."""
+        if not self._searching:
+            return {}
+        role = {"role": self.role} if self._selective else {}
+        return {"x_listed": self.x_listed, "unlisted": self.unlisted} | role
+
+    def recall(self, arrays: dict[str, np.ndarray], width: float) -> None:
+        """Make the rows that there were, entry by entry; leaves the particles where they are.
+
+        Args:
+            arrays: What `lasting` gave, on the host.
+            width: The tiles' width then [m].
+        """
+        if not self._searching:
+            return
+        x, role = self._particles.x, arrays.get("role")
+        now = x.numpy().copy()
+        x.assign(arrays["x_listed"])
+        self.tiles.width = width
+        if role is not None:
+            self.role.assign(role)
+        self._sort()
+        self._list(role)
+        x.assign(now)
+        self.unlisted.assign(arrays["unlisted"])
+
+    def _list(self, role: np.ndarray | None = None) -> None:
+        """Tiles and rows of the particles as the cells have them."""
+        self.tiles.build(self, self.block, role)
+        self._fill(self.radius)
+        wp.copy(self.x_listed, self._particles.x)
 
     def _sort(self) -> None:
         self.cells.build(self._particles.x, self.radius, self.block)

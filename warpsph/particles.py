@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import warp as wp
 
+from .copies import to_device, to_host
 from .fields import BY_NAME, CONSTANT, Field, of_groups, whole
 from .kernels.kernel_type import ERODED, EULERIAN, LAGRANGIAN
 from .kernels.parts import Parts, part_types
@@ -93,41 +94,26 @@ class Particles:
             self._launcher.launch(gather[old.dtype], self.n, order=order, source=old, target=new)
             wp.copy(old, new)
 
-    def room(self) -> dict[str, wp.array]:
-        """Memory of the host for a copy of every field; page-locked where a GPU fills it."""
-        pinned = self._launcher.device.is_cuda
-        return {
-            f.name: wp.empty_like(getattr(self, f.name), device="cpu", pinned=pinned) for f in self.fields
-        }
+    def lasting(self) -> dict[str, wp.array]:
+        """The array of every field by name, in memory order."""
+        return {f.name: getattr(self, f.name) for f in self.fields}
 
-    def arrays(self, room: dict[str, wp.array] | None = None) -> dict[str, np.ndarray]:
-        """Copy every field to the host, in memory order: what a checkpoint holds.
-
-        Args:
-            room: What `room` gave, to be filled (again: memory the system has just handed out is slow to fill).
-        """
-        room = self.room() if room is None else room
-        for name, copy in room.items():
-            wp.copy(copy, getattr(self, name))
-        wp.synchronize_device(self._launcher.device)
-        return {name: copy.numpy() for name, copy in room.items()}
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Copy every field to the host, in memory order."""
+        return to_host(self.lasting())
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Take over the arrays of a checkpoint.
 
         Raises:
-            InputError: If one has another shape or type, or numbers that stand for nothing.
+            InputError: If numbers of bodies, materials and the like stand for nothing.
         """
         self._check(arrays)
         for f in self.fields:
-            getattr(self, f.name).assign(arrays[f.name])
+            to_device(getattr(self, f.name), arrays[f.name])
 
     def _check(self, arrays: dict[str, np.ndarray]) -> None:
         """Check what kernels rely on: a wrong index would make them read and write elsewhere."""
-        for f in self.fields:
-            array, shape = arrays[f.name], (self.n, *self._width[f.kind])
-            if array.shape != shape or (array.dtype.kind == "i") != (f.kind == "int"):
-                raise files.wrong_array(f.name, array, shape)
         ends = {"body": len(self._data.bodies), "mat": len(self._data.materials), "kernel_type": ERODED + 1}
         sound = [0 <= arrays[name].min() <= arrays[name].max() < end for name, end in ends.items()]
         if not all(sound) or not np.array_equal(np.sort(arrays["id"]), np.arange(self.n)):

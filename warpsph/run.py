@@ -13,12 +13,21 @@ from .storage import atomic, checkpoint, facts, folder
 from .storage.writer import PENDING
 
 NEEDED = {
-    "time": facts.not_negative, "until": facts.positive, "interval": facts.positive, "next_snapshot": facts.natural,
-    "next_row": facts.not_negative, "wall": facts.not_negative, "step_wall": facts.not_negative, "device": facts.text,
-    "solver": facts.record, "balance": facts.record, "parameters": facts.record, "peaks": facts.record,
-    "neighbours": facts.numbers,
+    "time": facts.not_negative, "until": facts.positive, "row_time": facts.finite, "device": facts.text, "precision": facts.text,
+    "device_name": facts.text, "version": facts.text, "warp": facts.text, "solver": facts.record, "balance": facts.record,
+    "parameters": facts.record, "job": facts.record,
 }  # fmt: skip
 """Facts of a checkpoint that a run goes on from, and what they have to be."""
+
+OF_JOB = {
+    "interval": facts.positive, "row_interval": facts.positive, "ends": facts.numbers, "due": facts.natural,
+    "next_snapshot": facts.natural, "next_row": facts.not_negative, "neighbours": facts.numbers, "peaks": facts.record,
+    "remarks": facts.texts, "wall": facts.not_negative, "step_wall": facts.not_negative,
+}  # fmt: skip
+"""Those of its `Job`."""
+
+SHORTEST = 1e-9
+"""Shortest interval of outputs, as a share of the end time."""
 
 
 def run(
@@ -75,16 +84,20 @@ def resume(
     until: float | None = None,
     threads: int | None = None,
     device: str | None = None,
+    precision: str | None = None,
     frames: bool = True,
     progress: Progress | None = None,
 ) -> dict[str, Any]:
-    """Go on with the run in a folder from its checkpoint, bit for bit as if it had not stopped there.
+    """Go on with the run in a folder from its newest whole checkpoint, bit for bit as if it had not stopped there.
+
+    On another device or in another precision it goes on too, and says that it is no longer bit for bit.
 
     Args:
         out: Folder of the run.
         until: New end time [s]; the run's own by default.
         threads: CPU threads; all cores by default.
         device: Another device than the run's.
+        precision: Another precision than the run's.
         frames: Draw a frame of every snapshot at the end.
         progress: Where progress goes.
 
@@ -96,39 +109,48 @@ def resume(
     from .library import load
 
     out = Path(out)
-    for name in ("checkpoint.h5", "scene.py"):
-        if not (out / name).is_file():
-            raise InputError(f"{out} cannot be resumed: {name} is missing; allowed: the folder of a run")
-    arrays, info = checkpoint.load(out / "checkpoint.h5")
-    _check(out, info)
+    source = out / "scene.py"
+    found = checkpoint.load_newest(out)
+    info = found.info
+    _check(found)
+    if not source.is_file():
+        raise files.no_checkpoint(out, source.name)
+    if checkpoint.digest(source) != info["scene_sha256"]:
+        raise files.scene_changed(source)
     end = info["until"] if until is None else until
     if info["time"] >= end:
         raise InputError(
             f"until = {end:g} s is not after the checkpoint's time; allowed: more than {info['time']:g}"
         )
-    data = load(out / "scene.py").build(**info["parameters"]).finalize()
+    data = load(source).build(**info["parameters"]).finalize()
     progress = progress or Progress()
     solver = Solver(
-        data, device=device or info["device"], precision=info["solver"]["precision"], threads=threads,
+        data, device=device or info["device"], precision=precision or info["precision"], threads=threads,
         copies=PENDING, say=progress.message,
     )  # fmt: skip
     job = Job(solver, out, end, info["parameters"], progress)
     try:
-        job.go_on(arrays, info)
+        job.go_on(found)
     except (LookupError, TypeError, AttributeError, OverflowError) as error:
-        raise files.damaged(out / "checkpoint.h5", checkpoint.FORM, error) from error
+        raise files.damaged(found.path, checkpoint.FORM, error) from error
     return job.finish(frames)
 
 
-def _check(out: Path, info: dict[str, Any]) -> None:
+def _check(found: checkpoint.Found) -> None:
     """Check the facts of a checkpoint that a run goes on from.
 
     Raises:
         InputError: If one is missing or of a wrong type.
     """
     try:
-        facts.check(info, NEEDED)
-        if info["next_snapshot"] * info["interval"] < (1.0 - 1e-6) * info["time"]:
-            raise ValueError("its snapshots lag behind its time")
+        facts.check(found.info, NEEDED)
+        facts.check(found.info["job"], OF_JOB)
+        if found.info["job"].keys() != OF_JOB.keys():
+            raise ValueError("its job has facts that no job has")
+        if (
+            min(found.info["job"]["interval"], found.info["job"]["row_interval"])
+            < SHORTEST * found.info["until"]
+        ):
+            raise ValueError("its outputs have no end")
     except ValueError as error:
-        raise files.damaged(out / "checkpoint.h5", checkpoint.FORM, error) from None
+        raise files.damaged(found.path, checkpoint.FORM, error) from None

@@ -12,6 +12,7 @@ from .blocks import CUDA_STEP_BLOCKS, Blocks
 from .clock import Clock, Reading
 from .compilation import compile_modules, kernels_of
 from .contact import contact_constants
+from .copies import fits, host_shape, make_room, to_device, to_host
 from .errors import InputError, RunError
 from .kernels.deformation import SMALLEST_J
 from .kernels.kernel_type import ERODED, EULERIAN, LAGRANGIAN
@@ -30,6 +31,7 @@ from .kernels.timestep import (
 from .launch import Command, Launcher
 from .materials import pack
 from .memory import Policy, policy_of
+from .messages import files
 from .need import estimate
 from .neighbours import Neighbours
 from .particles import Particles
@@ -42,6 +44,9 @@ from .state import State
 
 MAX_BATCH = 32
 """Steps between two readings of the device's clock, at most: the documented synchronisation interval."""
+
+BATCH_PARTICLES = {False: 4_000_000, True: 400_000_000}
+"""Particle-steps between two readings at most, on a CPU and on CUDA: a few seconds, for a run that is told to stop."""
 
 PRECISIONS = {
     "float32": (wp.float32, wp.float32),
@@ -121,6 +126,7 @@ class Solver:
         self.program = Program(self.launcher)
         self._planning: list[Command] = []
         self._bound = -1
+        self._batch = 1  # steps until the next reading of the clock
         self._initialise()
         self.reading = self._clock.read()
 
@@ -184,8 +190,9 @@ class Solver:
         self._clock.dt.fill_(0.0)
 
     def relist(self) -> None:
-        """Rebuild the neighbour rows now, so that a run goes on from here exactly as a restart from here does."""
-        self.neighbours.build()
+        """Rebuild the neighbour rows now."""
+        if self.neighbours.build():
+            self._run_still(self._scheme.derive(self._bind))  # particles have moved in memory
 
     def prepare(self) -> None:
         """Compile and load every kernel of a step, without taking one."""
@@ -200,7 +207,7 @@ class Solver:
         if self.reference is not None:
             return self.reference.mean_count
         mean = self.neighbours.mean_count()
-        self.neighbours.build()
+        self.relist()
         return mean
 
     def advance(self, t_stop: float, on_batch: Callable[[Reading], bool] | None = None) -> None:
@@ -213,18 +220,17 @@ class Solver:
         """
         self._clock.stop_at(t_stop)
         now = self._plan()
-        batch = 1
         while now.status in (RUNNING, STALE):
             if now.status == STALE:
-                self.neighbours.build()
+                self.relist()
                 now = self._plan()
                 continue
             before = now
-            self._run_steps(batch)
+            self._run_steps(self._batch)
             now = self.reading = self._clock.read()
+            self._batch = self._predict(before, now)
             if on_batch is not None and on_batch(now):
                 break
-            batch = self._predict(before, now)
         self.reading = now
         if now.status in (COLLAPSED, NON_FINITE, INSIDE_OUT):
             raise RunError(self._trouble(now))
@@ -254,7 +260,8 @@ class Solver:
         if now.status != RUNNING or steps < 1 or worn <= 0.0:
             return 1
         left = (1.0 - now.wear) * steps / worn
-        return int(min(max(left, 1.0), MAX_BATCH))
+        most = BATCH_PARTICLES[self.launcher.device.is_cuda] // self.particles.n
+        return int(max(min(left, MAX_BATCH, most), 1.0))
 
     def ledger(self) -> dict[str, float]:
         """Conserved quantities and extremes of all particles (see `kernels.ledger` for names and units)."""
@@ -313,37 +320,58 @@ class Solver:
 
         return self.particles.state(self.reading.time, self.reading.steps, host)
 
+    def _lasting(self) -> dict[str, wp.array]:
+        """The arrays that a step leaves to the next one; all others are found again from them."""
+        work = {name: getattr(self._work, name) for name in self._scheme.lasting}
+        clock = {"clock": self._clock.clock, "count": self._clock.count}
+        return self.particles.lasting() | self.neighbours.lasting() | work | clock
+
+    def room(self) -> dict[str, wp.array]:
+        """Memory of the host for what `save` copies, to be filled again and again."""
+        return make_room(self._lasting())
+
     def save(self, room: dict[str, wp.array] | None = None) -> tuple[dict[str, np.ndarray], dict]:
-        """Everything a restart needs: arrays in memory order, in ``room`` if given, and plain values."""
-        arrays = self.particles.arrays(room) | {
-            "clock": self._clock.clock.numpy().copy(), "count": self._clock.count.numpy().copy()
+        """Everything a restart needs, between any two batches: arrays in memory order, in ``room`` if given, and plain values."""
+        return to_host(self._lasting(), room), {
+            "precision": self.precision, "cuda": self.launcher.device.is_cuda, "batch": self._batch,
+            "builds": self.neighbours.builds, "tile_width": self.neighbours.tiles.width,
         }  # fmt: skip
-        return arrays, {"builds": self.neighbours.builds, "precision": self.precision}
 
     def restore(self, arrays: dict[str, np.ndarray], info: dict) -> None:
-        """Go on from what `save` gave, bit for bit.
+        """Go on from what `save` gave: bit for bit, but in another precision or on another kind of device.
+
+        There the arrays are converted, and the neighbour rows are those of the present positions.
 
         Raises:
-            InputError: The checkpoint is of another number of particles or precision, or lacks a field.
+            InputError: The checkpoint is of another number of particles, or lacks a field.
         """
-        missing = [f.name for f in self.particles.fields if f.name not in arrays]
+        missing = [name for name in self._lasting() if name not in arrays]
         if missing:
             raise InputError(
                 f"checkpoint lacks {', '.join(missing)}; allowed: one of this version of warpsph (start the run anew)"
             )
-        if len(arrays["id"]) != self.particles.n or info["precision"] != self.precision:
+        if len(arrays["id"]) != self.particles.n:
             raise InputError(
-                f"checkpoint holds {len(arrays['id'])} particles in {info['precision']}; "
-                f"this scene has {self.particles.n} in {self.precision}"
+                f"checkpoint holds {len(arrays['id'])} particles; this scene has {self.particles.n}"
             )
+        for name, array in self._lasting().items():
+            if not fits(array, arrays[name]):
+                raise files.wrong_array(name, arrays[name], host_shape(array))
         self.particles.restore(arrays)
         self._clock.clock.assign(arrays["clock"])
         self._clock.count.assign(arrays["count"])
         self.neighbours.builds = info["builds"]
+        if (self.precision, self.launcher.device.is_cuda) == (info["precision"], info["cuda"]):
+            self.neighbours.recall(arrays, info["tile_width"])
+            self._batch = info["batch"]
+        else:
+            self.neighbours.build()
         if self.reference is not None:
             self.reference.build()
         self._bound = -1  # arrays may have moved in memory
         self._run_still(self._scheme.derive(self._bind))
+        for name in self._scheme.lasting:
+            to_device(getattr(self._work, name), arrays[name])
         self.reading = self._clock.read()
 
     def _trouble(self, now: Reading) -> str:

@@ -1,5 +1,6 @@
 """Tiles of space over the particles, rebuilt with the neighbour rows: they tell when the rows are worn out."""
 
+import numpy as np
 import warp as wp
 
 from .block import Block
@@ -34,6 +35,7 @@ class Tiles:
     Attributes:
         most: Tiles at most.
         hands: Threads that share a tile in every step.
+        width: Edge of the tiles [m]; it grows with the scene.
         member: Particle indices tile by tile, shape [n].
         tile_start: First place of a tile in ``member``, shape [most + 1].
         n_tiles: Number of tiles, shape [1].
@@ -56,7 +58,7 @@ class Tiles:
         self._particles, self._launcher, self._selective = particles, launcher, selective
         self._kernels = make_tiles(spec, selective)
         self.most, self.hands = tiles_of(launcher.device)
-        self._width = first_width(n, self.most, spacing, spec.dim)
+        self.width = first_width(n, self.most, spacing, spec.dim)
         with wp.ScopedDevice(launcher.device):
             self.member = wp.zeros(n, dtype=wp.int32)
             self.tile_start = wp.zeros(self.most + 1, dtype=wp.int32)
@@ -75,28 +77,40 @@ class Tiles:
             self.body_last = wp.zeros(told, dtype=wp.int32)
             self.tile_role = wp.zeros(told, dtype=wp.int32)
 
-    def build(self, rows: object, block: Block) -> None:
+    def build(self, rows: object, block: Block, role: np.ndarray | None = None) -> None:
         """Sort the particles into tiles; tiles grow until there are no more than ``most``.
 
         Args:
             rows: What knows the symmetry planes (``plane``, ``plane_mask``), the rows' reach (``radius``), and
                 takes the particles' ``role``.
             block: Work space.
+            role: The particles' roles, shape [n], where they are known; found if None.
         """
         p, k, launch, n = self._particles, self._kernels, self._launcher.launch, self._particles.n
         i32 = wp.int32
         key, member, head, number = block.views((i32, 2 * n), (i32, 2 * n), (i32, n), (i32, n))
         while True:
-            launch(k.keys, n, p, width=self._width, key=key, member=member)
+            launch(k.keys, n, p, width=self.width, key=key, member=member)
             wp.utils.radix_sort_pairs(key, member, n)
             launch(k.heads, n, key=key, head=head)
             wp.utils.array_scan(head, number, inclusive=True)
             launch(k.starts, n, self, head=head, number=number, n=n)
             if int(self.n_tiles.numpy()[0]) <= self.most:
                 break
-            self._width *= 1.5
+            self.width *= 1.5
         wp.copy(self.member, member, count=n)
         launch(k.boxes, self.most, self, p, rows)
         if self._selective:
             launch(k.contents, self.most, self, p)
-            launch(k.roles, self.most, self, rows)
+            if role is None:
+                launch(k.roles, self.most, self, p, rows)
+            else:
+                self._recall(role)
+
+    def _recall(self, role: np.ndarray) -> None:
+        """Tell the tiles' roles from those of their particles."""
+        starts = self.tile_start.numpy()[: int(self.n_tiles.numpy()[0])]
+        first = role[self.member.numpy()[starts]]
+        roles = np.zeros(self.most, dtype=np.int32)
+        roles[: len(first)] = np.where(first < 0, -1 - first, first)
+        self.tile_role.assign(roles)

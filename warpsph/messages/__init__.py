@@ -9,5 +9,6 @@ where, and what to do.
 - `files`: a file or folder that cannot be read or written;
 - `machine`: a device, memory or a library that is not there;
 - `stops`: a run that cannot go on, or that was ended;
-- `measuring`: a benchmark that cannot be made.
+- `measuring`: a benchmark that cannot be made;
+- `remarks`: what is no exception, only said, while the run goes on.
 """

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from warpsph.errors import InputError
+from warpsph.errors import InputError, RunError
 
 from .values import printable, shown
 
@@ -78,4 +78,27 @@ def crowd(particles: int, extent: float, spacing: float) -> InputError:
     """A snapshot whose particles lie on top of each other; lengths in [m]."""
     return InputError(
         f"{particles} particles of {spacing:g} m lie within {extent:g} m: nothing can be drawn; allowed: another snapshot"
+    )
+
+
+def no_checkpoint(folder: Path, name: str) -> InputError:
+    """A folder holds nothing that a run could go on from."""
+    return InputError(f"{folder} cannot be resumed: {name} is missing; allowed: the folder of a run")
+
+
+def no_whole_checkpoint(causes: list[str]) -> InputError:
+    """Every checkpoint that there is cannot be read; ``causes`` names each."""
+    return InputError(f"{'; '.join(causes)}; there is no other to go on from: start the run anew")
+
+
+def not_renamed(path: Path, error: OSError) -> RunError:
+    """A file cannot get another name."""
+    return RunError(f"{path} could not be renamed: {error.strerror or error}; is the folder writable?")
+
+
+def scene_changed(path: Path) -> InputError:
+    """The scene is not the one that a checkpoint is of."""
+    return InputError(
+        f"{path} was changed since the checkpoint; put the old text back, or start a new run of it: "
+        f"warpsph run {path} --out FOLDER"
     )

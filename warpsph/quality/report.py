@@ -13,6 +13,7 @@ import warp as wp
 from warpsph import __version__
 from warpsph.launch import count_cores
 from warpsph.messages import measuring
+from warpsph.processor import processor
 from warpsph.storage import atomic
 
 LIBRARIES = ("warp-lang", "numpy")
@@ -67,13 +68,7 @@ def today() -> str:
 
 def _processor() -> str:
     """Name and number of cores of the processor."""
-    name = platform.processor() or platform.machine()
-    table = Path("/proc/cpuinfo")
-    if table.is_file():
-        lines = table.read_text(errors="replace").splitlines()
-        models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-        name = models[0] if models else name
-    return f"{name}, {count_cores()} cores"
+    return f"{processor()}, {count_cores()} cores"
 
 
 def commit() -> str:

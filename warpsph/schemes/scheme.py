@@ -55,6 +55,7 @@ class Scheme(ABC):
         parts: Parts of the forces that it keeps apart.
         ledger: The kernel of conserved quantities and extremes.
         searching: Neighbour rows of present positions are needed.
+        lasting: Those of its `arrays` that the next step goes on from and `derive` cannot find again.
         wearing_role: From which role on a tile of the body's own wears the rows out, see `kernels.tiles`.
     """
 
@@ -62,6 +63,7 @@ class Scheme(ABC):
     viscosity_alpha: float
     viscosity_beta: float
     searching = True
+    lasting: tuple[str, ...] = ()
 
     def __init__(
         self,

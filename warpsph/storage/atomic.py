@@ -20,8 +20,12 @@ def write(path: Path, content: bytes | memoryview) -> None:
 
 
 @contextlib.contextmanager
-def replacing(path: Path) -> Iterator[BinaryIO]:
+def replacing(path: Path, keep: Path | None = None) -> Iterator[BinaryIO]:
     """Open a hidden neighbour of a file to write to and read from; at the end it takes the file's name.
+
+    Args:
+        path: The file.
+        keep: Name that the old file, if there is one, takes just before; None: it goes.
 
     Raises:
         RunError: If it cannot be written (full disk, no permission); the old file is untouched.
@@ -33,6 +37,8 @@ def replacing(path: Path) -> Iterator[BinaryIO]:
             yield stream
             stream.flush()
             os.fsync(stream.fileno())
+        if keep is not None and path.exists():
+            os.replace(path, keep)
         os.replace(part, path)
     except OSError as error:
         raise RunError(f"{path} could not be written: {error.strerror or error}") from error

@@ -6,7 +6,13 @@ from pathlib import Path
 
 from warpsph.errors import InputError
 
-OURS = ("summary.json", "history.csv", "checkpoint.h5", "scene.py", "plot.png", "snapshots", "frames")
+NEWEST, PREVIOUS, DAMAGED = "checkpoint.h5", "checkpoint_previous.h5", "checkpoint_damaged.h5"
+"""The last checkpoint of a run, the one before, and one that was found damaged when the run went on."""
+
+OURS = (
+    *("summary.json", "history.csv", NEWEST, PREVIOUS, DAMAGED),
+    *("scene.py", "plot.png", "snapshots", "frames"),
+)
 """What a run writes, and so what ``force`` clears."""
 
 
@@ -44,3 +50,8 @@ def prepare(out: Path, force: bool) -> None:
         (out / "snapshots").mkdir()
     except OSError as error:
         raise InputError(f"output folder {out} cannot be written: {error.strerror}") from error
+
+
+def checkpoints(out: Path) -> list[Path]:
+    """The checkpoints of a run that there are, the newest first."""
+    return [out / name for name in (NEWEST, PREVIOUS) if (out / name).is_file()]

@@ -29,7 +29,9 @@ MOST_AXES = 4
 
 
 @contextlib.contextmanager
-def writing(path: Path, form: str, version: int, facts: dict[str, Any]) -> Iterator["h5py.File"]:
+def writing(
+    path: Path, form: str, version: int, facts: dict[str, Any], keep: Path | None = None
+) -> Iterator["h5py.File"]:
     """Open an HDF5 file to write to, which is sealed and put in place of ``path`` at the end.
 
     Args:
@@ -37,6 +39,7 @@ def writing(path: Path, form: str, version: int, facts: dict[str, Any]) -> Itera
         form: What the file is, for example ``"warpsph snapshot"``.
         version: Version of that format.
         facts: What `reading` gives back besides the arrays: anything JSON can hold; floats come back exactly.
+        keep: Name that the old file takes; None: it goes.
 
     Raises:
         RunError: If it cannot be written.
@@ -44,7 +47,7 @@ def writing(path: Path, form: str, version: int, facts: dict[str, Any]) -> Itera
     """
     import h5py
 
-    with atomic.replacing(path) as stream:
+    with atomic.replacing(path, keep) as stream:
         disk = _Disk(stream)
         head = {"format": form, "format_version": version, "generator": f"warpsph {__version__}"}
         with h5py.File(disk, "w") as file:

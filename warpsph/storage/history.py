@@ -24,7 +24,10 @@ class History:
     Attributes:
         path: The file.
         columns: Name and unit of each column; the first one is the time.
+        last: Time of the last row that was there when the file was opened [s]; None: there was none.
     """
+
+    last: float | None = None
 
     def __init__(self, path: Path, columns: Sequence[tuple[str, str]]):
         """Start a new table, replacing an older file.
@@ -59,7 +62,9 @@ class History:
         history = cls.__new__(cls)
         history.path = Path(path)
         history.columns, rows = _parse(history.path)
-        history._start([row for row in rows if float(row[0]) <= time])
+        rows = [row for row in rows if float(row[0]) <= time]
+        history.last = float(rows[-1][0]) if rows else None
+        history._start(rows)
         return history
 
     def write(self, values: Sequence[float]) -> None:

@@ -38,7 +38,9 @@ def make(folder: Path, run: bool) -> dict[str, Path]:
     path |= {"history": folder / "history.csv", "summary": folder / "summary.json"}
     state = _state()
     snapshot.write(path["snapshot"], state)
-    checkpoint.save(path["checkpoint"], dict(state.fields), {"time": 1e-6, "parameters": {"speed": 1.0}})
+    checkpoint.save(
+        path["checkpoint"], dict(state.fields), {"time": 1e-6, "step": 12, "parameters": {"speed": 1.0}}
+    )
     with history.History(path["history"], [("time", "s"), ("step", "1"), ("pressure_max", "Pa")]) as table:
         for step in range(40):
             table.write([step / 3.0, step, 1e9 * np.sin(step)])
