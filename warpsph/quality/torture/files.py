@@ -41,7 +41,7 @@ MENDED = (
     "of a run that went wrong could not be described; pressures of 1e308 in a frame; a summary nested a thousand deep, whose warnings "
     "were no list, or whose wall time was infinite; a history with a cell of more than 131072 characters",
     "sums of a state with infinities of both signs ended a resumed run with a traceback",
-    "a pipe in place of a history or a summary held the program up",
+    "a pipe in place of a history held the program up",
     "control characters in names of bodies and in messages reached the terminal, and dollar signs were taken for formulas",
     "a mesh that encloses nothing passed, all its triangles being there twice",
 )
