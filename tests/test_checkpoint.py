@@ -68,10 +68,13 @@ def test_missing_or_foreign_file_is_refused(tmp_path):
         checkpoint.load(tmp_path / "foreign.h5")
 
 
-def test_other_version_is_refused(path):
-    with h5py.File(path, "a") as file:
-        file.attrs["format_version"] = 99
-    with pytest.raises(InputError, match="has format version 99; this warpsph reads version 3"):
+def test_other_version_is_refused(path, monkeypatch):
+    monkeypatch.setattr(checkpoint, "VERSION", 99)
+    checkpoint.save(path, ARRAYS, INFO)
+    monkeypatch.undo()
+    with pytest.raises(
+        InputError, match=f"has format version 99; this warpsph reads version {checkpoint.VERSION}"
+    ):
         checkpoint.load(path)
 
 

@@ -111,7 +111,9 @@ def test_a_particle_and_a_disk_that_fail_at_once_are_both_named(tmp_path, monkey
     text = str(stopped.value)
     assert not isinstance(stopped.value, DiskError)
     assert (
-        "velocity not finite; besides, " in text and "test_0002.vtkhdf could not be written: No space" in text
+        "velocity not finite; " in text
+        and "; besides, " in text
+        and "test_0002.vtkhdf could not be written: No space" in text
     )
     assert text.endswith(f"; last snapshot: {out}/snapshots/test_0001.vtkhdf")
 

@@ -1,5 +1,9 @@
 """How particles are dealt out to the threads of a reduction."""
 
+import math
+
+import numpy as np
+
 CPU_BLOCKS = 256
 """Blocks of a reduction on a CPU: fixed, so that sums do not depend on the number of threads."""
 
@@ -34,3 +38,12 @@ class Blocks:
         self.count = -(-n // self.chunk)
         self.along, self.across = (self.count, 1) if cuda else (1, self.chunk)
         self.folds = min(FOLDS, self.count) if cuda else 0
+
+
+def total(values: np.ndarray) -> float:
+    """Sum of partial results without rounding; with one beyond all numbers, what floating point makes of it."""
+    try:
+        return math.fsum(values.tolist())
+    except (ValueError, OverflowError):
+        with np.errstate(over="ignore", invalid="ignore"):
+            return float(np.sum(values))

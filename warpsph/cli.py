@@ -17,6 +17,7 @@ from . import walltime as wall
 from .errors import DiskError, Ended, InputError, RunError
 from .library import SceneFile
 from .messages import files
+from .messages.values import printable
 from .progress import Progress, quiet_warp
 from .signals import listening
 from .storage import folder as output_folder
@@ -116,7 +117,7 @@ def _exit(code: int) -> NoReturn:
 
 def _complain(problem: object, code: int) -> int:
     """Print one line, whatever the message holds."""
-    print("warpsph:", " ".join(str(problem).split()), file=streams.Dropping(sys.stderr))
+    print("warpsph:", printable(" ".join(str(problem).split())), file=streams.Dropping(sys.stderr))
     return code
 
 

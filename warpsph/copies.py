@@ -34,3 +34,14 @@ def to_device(array: wp.array, values: np.ndarray) -> None:
     """Fill an array with what `to_host` gave, perhaps in another precision."""
     scalar = wp.dtype_to_numpy(getattr(array.dtype, "_wp_scalar_type_", array.dtype))
     array.assign(values.astype(scalar, copy=False))
+
+
+def host_shape(array: wp.array) -> tuple[int, ...]:
+    """Shape of what `to_host` gives of an array."""
+    return (*array.shape, *getattr(array.dtype, "_shape_", ()))
+
+
+def fits(array: wp.array, values: np.ndarray) -> bool:
+    """Whether an array can be filled with what was read, perhaps in another precision."""
+    scalar = wp.dtype_to_numpy(getattr(array.dtype, "_wp_scalar_type_", array.dtype))
+    return values.shape == host_shape(array) and values.dtype.kind == np.dtype(scalar).kind

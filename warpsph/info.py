@@ -8,14 +8,24 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .errors import InputError
+from .messages.values import printable
 from .progress import clock, si
-from .storage import folder
+from .storage import folder, text
 
 if TYPE_CHECKING:
     from .state import State
 
 GAP = "  "
 """Between the columns of a table."""
+
+LONGEST = 2**24
+"""Longest summary that is read [bytes]."""
+
+DEEPEST = 50
+"""How deep entries of a summary may be in each other."""
+
+FOREVER = 1e12
+"""A wall time beyond this is none [s]."""
 
 SECONDS = ("time", "until", "dt_min", "dt_max", "step_wall_s")
 """Entries of a summary that read well with an SI prefix."""
@@ -61,13 +71,23 @@ def read_summary(path: Path) -> dict[str, Any]:
     Raises:
         InputError: If it cannot be read as one.
     """
+    content = text.read(path, "summary", LONGEST)
     try:
-        summary = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path} cannot be read as a summary: {error}") from error
-    if not isinstance(summary, dict):
-        raise InputError(f"{path} is no summary of a run; expected a JSON object")
+        summary = json.loads(content)
+        if _depth(summary) > DEEPEST:
+            raise RecursionError
+    except (ValueError, RecursionError) as error:
+        reason = f"({error})" if isinstance(error, ValueError) else f"(nested more than {DEEPEST} deep)"
+        raise InputError(f"{path} cannot be read as a summary {reason}") from None
+    if not isinstance(summary, dict) or not isinstance(summary.get("warnings", []), list):
+        raise InputError(f"{path} is no summary of a run; expected a JSON object, with a list of warnings")
     return summary
+
+
+def _depth(value: Any) -> int:
+    """How deep objects and lists are in each other."""
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return 1 + max(map(_depth, inner), default=0)
 
 
 def describe_summary(summary: dict[str, Any]) -> str:
@@ -81,7 +101,7 @@ def describe_summary(summary: dict[str, Any]) -> str:
             rows += [(GAP + str(name), _value(name, inner)) for name, inner in value.items()]
         else:
             rows.append((key, _value(key, value)))
-    warnings = [f"warning: {text}" for text in summary.get("warnings", [])]
+    warnings = [f"warning: {printable(str(line))}" for line in summary.get("warnings", [])]
     return "\n".join([table(rows), *warnings])
 
 
@@ -111,7 +131,8 @@ def describe_state(state: "State") -> str:
     head = [("scene", f"{state.scene}, {state.dim}D"), ("time", f"{si(state.time, 's')}, step {state.step}")]
     head.append(("spacing", f"{si(state.spacing, 'm')}, smoothing length {si(state.h, 'm')}"))
     head.append(("particles", str(len(state.body))))
-    head += [(GAP + name, f"{bodies[k]}  {_materials(state, k)}") for k, name in enumerate(state.bodies)]
+    made_of = _materials(state)
+    head += [(GAP + name, f"{bodies[k]}  {', '.join(made_of[k])}") for k, name in enumerate(state.bodies)]
     ranges = []
     for name in scalars.names(state):
         quantity = scalars.scalar(state, name)
@@ -122,7 +143,7 @@ def describe_state(state: "State") -> str:
 
 def table(rows: Iterable[Sequence[str]], header: Sequence[str] = ()) -> str:
     """Lay rows of text out in columns, at any width: for terminals as for ``grep``."""
-    rows = [header, *rows] if header else list(rows)
+    rows = [list(map(printable, row)) for row in ([header, *rows] if header else rows)]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = (GAP.join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in rows)
     return "\n".join(line.rstrip() for line in lines)
@@ -132,7 +153,7 @@ def _value(key: str, value: Any) -> str:
     """One entry of a summary."""
     if isinstance(value, float) and key in SECONDS:
         return si(value, "s")
-    if isinstance(value, (int, float)) and key == "wall_s":
+    if isinstance(value, (int, float)) and key == "wall_s" and 0.0 <= value < FOREVER:
         return clock(value)
     if isinstance(value, float):
         return f"{value:.6g}"
@@ -141,9 +162,12 @@ def _value(key: str, value: Any) -> str:
     return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
 
 
-def _materials(state: "State", body: int) -> str:
-    """Names of what a body is made of."""
-    return ", ".join(state.materials[k] for k in np.unique(state.mat[state.body == body]))
+def _materials(state: "State") -> list[list[str]]:
+    """Names of what each body is made of."""
+    kinds, made_of = len(state.materials), [[] for _ in state.bodies]
+    for pair in np.unique(state.body.astype(np.int64) * kinds + state.mat):
+        made_of[pair // kinds].append(state.materials[pair % kinds])
+    return made_of
 
 
 def _extremes(values: np.ndarray) -> tuple[str, str, str]:

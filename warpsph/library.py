@@ -13,9 +13,13 @@ from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin, get
 
 from .errors import InputError, RunError
 from .messages import scripts, values
+from .storage import text
 
 if TYPE_CHECKING:
     from .scene import Scene
+
+LONGEST = 2**24
+"""Longest scene file that is read [bytes]."""
 
 WORDS = {
     bool: "yes or no",
@@ -62,7 +66,7 @@ class SceneParameter:
         """
         try:
             return _convert(self.annotation, value)
-        except TypeError:
+        except (TypeError, OverflowError):
             raise values.refuse(f"parameter {self.name}", value, self.kind) from None
 
 
@@ -86,7 +90,7 @@ class SceneFile:
     parameters: dict[str, SceneParameter]
     function: Callable
 
-    def build(self, **given: Any) -> "Scene":
+    def build(self, /, **given: Any) -> "Scene":
         """Build the scene, with the defaults for parameters that are not given.
 
         Raises:
@@ -135,10 +139,7 @@ def load(name_or_path: str | Path) -> SceneFile:
         InputError: If it does not exist, is not Python, has no ``build`` or one that cannot be used.
     """
     path = find(name_or_path)
-    try:
-        source = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise scripts.unreadable(path, error) from error
+    source = text.read(path, "scene", LONGEST)
     module = _execute(path, source)
     build = getattr(module, "build", None)
     if not inspect.isfunction(build):
@@ -153,7 +154,7 @@ def _execute(path: Path, source: str) -> types.ModuleType:
         code = compile(source, str(path), "exec")
     except SyntaxError as error:
         raise scripts.syntax(path, error) from error
-    except ValueError as error:
+    except (ValueError, RecursionError, MemoryError) as error:
         raise scripts.no_python(path, error) from error
     module = types.ModuleType(f"warpsph_scene_{path.stem}")
     module.__file__ = str(path)

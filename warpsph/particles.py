@@ -7,11 +7,12 @@ import warp as wp
 
 from .copies import to_device, to_host
 from .fields import BY_NAME, CONSTANT, Field, of_groups, whole
-from .kernels.kernel_type import EULERIAN, LAGRANGIAN
+from .kernels.kernel_type import ERODED, EULERIAN, LAGRANGIAN
 from .kernels.parts import Parts, part_types
 from .kernels.sort import make_sort
 from .kernels.spec import Spec
 from .launch import Launcher
+from .messages import files
 from .scene import SceneData
 from .state import InOrder, State
 
@@ -102,9 +103,21 @@ class Particles:
         return to_host(self.lasting())
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
-        """Take over the arrays of a checkpoint."""
+        """Take over the arrays of a checkpoint.
+
+        Raises:
+            InputError: If numbers of bodies, materials and the like stand for nothing.
+        """
+        self._check(arrays)
         for f in self.fields:
             to_device(getattr(self, f.name), arrays[f.name])
+
+    def _check(self, arrays: dict[str, np.ndarray]) -> None:
+        """Check what kernels rely on: a wrong index would make them read and write elsewhere."""
+        ends = {"body": len(self._data.bodies), "mat": len(self._data.materials), "kernel_type": ERODED + 1}
+        sound = [0 <= arrays[name].min() <= arrays[name].max() < end for name, end in ends.items()]
+        if not all(sound) or not np.array_equal(np.sort(arrays["id"]), np.arange(self.n)):
+            raise files.wrong_numbers(["id", *ends])
 
     def state(self, time: float, step: int, host: Callable[[str], np.ndarray] | None = None) -> State:
         """Copy the output fields to the host, in id order.

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import units
+from .drawing.furniture import as_written
 from .errors import InputError
-from .messages import values
+from .messages import files, values
 from .storage import atomic, history
 
 if TYPE_CHECKING:
@@ -20,6 +21,12 @@ FORMATS = (".png", ".svg", ".pdf")
 
 SUFFIXES = ("energy", "x", "y", "z", "min", "max")
 """Last words of column names that share a panel: ``momentum_x`` and ``momentum_y``, ``pressure_min`` and ``pressure_max``."""
+
+MOST_PANELS = 120
+"""Most panels of a plot."""
+
+BEYOND = 1e300
+"""Magnitudes from here on are not drawn, as infinite ones are not: axes have no room around them."""
 
 CLOCK = ("time", "step")
 """Columns that say when a row was written, and have no panel."""
@@ -51,7 +58,9 @@ def plot(folder: Path, output: Path | None = None) -> Path:
     if not len(columns["time"]):
         raise InputError(f"{Path(folder) / 'history.csv'} has no rows yet; nothing can be plotted")
     panels = group([name for name in names if name not in CLOCK], dict(zip(names, column_units, strict=True)))
-    across = min(3, len(panels))
+    if len(panels) > MOST_PANELS:
+        raise files.no_plot(Path(folder) / "history.csv", len(panels), MOST_PANELS)
+    across = max(1, min(3, len(panels)))
     down = math.ceil(len(panels) / across)
     figure = Figure(figsize=(5.0 * across, 3.1 * down), dpi=120, layout="constrained")
     grid = figure.subplots(down, across, squeeze=False).ravel()
@@ -89,9 +98,9 @@ def group(names: list[str], unit_of: dict[str, str]) -> list[tuple[str, str, lis
 
 def _draw(axes: "Axes", columns: dict[str, np.ndarray], title: str, unit: str, members: list[str]) -> None:
     """Draw one panel."""
-    time = columns["time"]
-    time_factor, time_unit = units.scale("s", float(np.abs(time).max()))
-    values = {name: columns[name] for name in members}
+    time = np.where(np.abs(columns["time"]) < BEYOND, columns["time"], np.nan)
+    time_factor, time_unit = units.scale("s", _largest([time]))
+    values = {name: np.where(np.abs(columns[name]) < BEYOND, columns[name], np.nan) for name in members}
     error = title.endswith("error")
     if error:
         values = {name: np.where(column == 0.0, np.nan, np.abs(column)) for name, column in values.items()}
@@ -108,12 +117,14 @@ def _draw(axes: "Axes", columns: dict[str, np.ndarray], title: str, unit: str, m
     if error and np.isfinite(_largest(values.values())) and _largest(values.values()) > 0.0:
         axes.set_yscale("log")
     words = title.replace("_", " ")
-    axes.set_title(units.label(f"|{words}|" if error else words, unit), fontsize=11, loc="left")
+    axes.set_title(
+        units.label(f"|{words}|" if error else words, unit), fontsize=11, loc="left", parse_math=False
+    )
     axes.set_xlabel(units.label("time", time_unit))
     axes.grid(color="#dddddd", linewidth=0.8)
     axes.spines[["top", "right"]].set_visible(False)
     if len(members) > 1:
-        axes.legend(frameon=False, fontsize=9)
+        as_written(axes.legend(frameon=False, fontsize=9))
 
 
 def _marker(time: np.ndarray) -> str | None:

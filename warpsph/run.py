@@ -14,10 +14,27 @@ from .progress import Progress
 from .scene import Scene
 from .signals import Stop, listening
 from .solver import Solver
-from .storage import atomic, checkpoint, folder, lock
+from .storage import atomic, checkpoint, facts, folder, lock
 from .storage import summary as summaries
 from .storage.writer import PENDING
 from .walltime import Deadline
+
+NEEDED = {
+    "time": facts.not_negative, "until": facts.positive, "row_time": facts.finite, "device": facts.text, "precision": facts.text,
+    "device_name": facts.text, "version": facts.text, "warp": facts.text, "solver": facts.record, "balance": facts.record,
+    "parameters": facts.record, "job": facts.record, "frames": facts.truth,
+}  # fmt: skip
+"""Facts of a checkpoint that a run goes on from, and what they have to be."""
+
+OF_JOB = {
+    "interval": facts.positive, "row_interval": facts.positive, "ends": facts.numbers, "due": facts.natural,
+    "next_snapshot": facts.natural, "next_row": facts.not_negative, "neighbours": facts.numbers, "peaks": facts.record,
+    "remarks": facts.texts, "wall": facts.not_negative, "step_wall": facts.not_negative,
+}  # fmt: skip
+"""Those of its `Job`."""
+
+SHORTEST = 1e-9
+"""Shortest interval of outputs, as a share of the end time."""
 
 
 def run(
@@ -136,6 +153,7 @@ def resume(
         source = out / "scene.py"
         found = checkpoint.load_newest(out)
         info = found.info
+        _check(found)
         if checkpoint.digest(source) != info["scene_sha256"]:
             raise files.scene_changed(source)
         end = info["until"] if until is None else until
@@ -155,7 +173,10 @@ def resume(
         )  # fmt: skip
         job = Job(solver, out, end, info["parameters"], progress, stop, deadline, frames)
         with stop.patience():
-            job.go_on(found)
+            try:
+                job.go_on(found)
+            except (LookupError, TypeError, AttributeError, OverflowError) as error:
+                raise files.damaged(found.path, checkpoint.FORM, error) from error
             solver.watch.change(energy_limit, on_trouble)
             summary = job.finish()
         return _with_frames(out, summary, frames, stop, deadline)
@@ -177,3 +198,23 @@ def _with_frames(
     if frames:
         drawn.draw(out, summary, deadline)
     return summary
+
+
+def _check(found: checkpoint.Found) -> None:
+    """Check the facts of a checkpoint that a run goes on from.
+
+    Raises:
+        InputError: If one is missing or of a wrong type.
+    """
+    try:
+        facts.check(found.info, NEEDED)
+        facts.check(found.info["job"], OF_JOB)
+        if found.info["job"].keys() != OF_JOB.keys():
+            raise ValueError("its job has facts that no job has")
+        if (
+            min(found.info["job"]["interval"], found.info["job"]["row_interval"])
+            < SHORTEST * found.info["until"]
+        ):
+            raise ValueError("its outputs have no end")
+    except ValueError as error:
+        raise files.damaged(found.path, checkpoint.FORM, error) from None

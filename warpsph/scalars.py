@@ -15,6 +15,9 @@ AXES = ("x", "y", "z")
 PAIRS = (("xx", 0, 0), ("yy", 1, 1), ("zz", 2, 2), ("xy", 0, 1), ("xz", 0, 2), ("yz", 1, 2))
 """Components of a symmetric tensor, with their indices."""
 
+UNBOUNDED = 1e100
+"""A deformation gradient from here on is none."""
+
 KERNEL_TYPES = ("Eulerian", "Total Lagrangian", "eroded")
 """Names of the values of the field ``kernel_type``."""
 
@@ -64,10 +67,13 @@ def equivalent_strain(F: np.ndarray) -> np.ndarray:
     """Equivalent logarithmic strain sqrt(2/3 eps':eps') with eps = 1/2 ln(F F^T), shape [n].
 
     Args:
-        F: Deformation gradients, shape [n, 3, 3]; a singular one gives no finite value.
+        F: Deformation gradients, shape [n, 3, 3]; a singular one, or one without bounds, gives no finite value.
     """
+    F = np.asarray(F, dtype=np.float64)
+    bounded = (np.abs(F) < UNBOUNDED).all(axis=(1, 2))  # of others the decomposition fails
+    principal = np.full(F.shape[:2], np.nan)
     with np.errstate(divide="ignore", invalid="ignore"):
-        principal = np.log(np.linalg.svd(np.asarray(F, dtype=np.float64), compute_uv=False))
+        principal[bounded] = np.log(np.linalg.svd(F[bounded], compute_uv=False))
         deviator = principal - principal.mean(axis=1, keepdims=True)
         return np.sqrt(2.0 / 3.0) * np.linalg.norm(deviator, axis=1)
 

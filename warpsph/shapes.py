@@ -402,8 +402,8 @@ class Mesh(Shape):
     Mesh files carry no unit: a part drawn in millimetres needs ``Mesh("part.stl").scale(1e-3)``.
 
     Attributes:
-        source: A file (STL, OBJ, PLY or another one that PyVista reads) or a `pyvista.PolyData`. Holds the closed,
-            outward-oriented triangles after construction.
+        source: A file (STL, OBJ or PLY) or a `pyvista.PolyData`. Holds the closed, outward-oriented triangles after
+            construction.
 
     Raises:
         InputError: If the file cannot be read or the surface is not closed.

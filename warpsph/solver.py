@@ -1,6 +1,5 @@
 """The controller: owns the device state, runs steps in batches, rebuilds neighbour rows, watches for trouble."""
 
-import math
 from collections.abc import Callable
 from types import SimpleNamespace
 
@@ -8,11 +7,11 @@ import numpy as np
 import warp as wp
 
 from .admission import admit
-from .blocks import CUDA_STEP_BLOCKS, Blocks
+from .blocks import CUDA_STEP_BLOCKS, Blocks, total
 from .clock import Clock, Reading
 from .compilation import compile_modules, kernels_of
 from .contact import contact_constants
-from .copies import make_room, to_device, to_host
+from .copies import fits, host_shape, make_room, to_device, to_host
 from .errors import InputError
 from .kernels.kernel_type import ERODED, EULERIAN
 from .kernels.ledger import MAXIMA, SUMS
@@ -23,7 +22,7 @@ from .launch import Command, Launcher
 from .magnitudes import check_magnitudes
 from .materials import pack
 from .memory import Policy, policy_of
-from .messages import values
+from .messages import files, values
 from .need import estimate
 from .neighbours import Neighbours
 from .particles import Particles
@@ -287,7 +286,7 @@ class Solver:
         """Conserved quantities and extremes of all particles (see `kernels.ledger` for names and units)."""
         self._bind(self._scheme.ledger, self._blocks.count)()
         partial = self._work.partial.numpy()
-        sums = {name: math.fsum(partial[:, k]) for k, name in enumerate(SUMS)}
+        sums = {name: total(partial[:, k]) for k, name in enumerate(SUMS)}
         maxima = {name: float(partial[:, len(SUMS) + k].max()) for k, name in enumerate(MAXIMA)}
         return sums | maxima
 
@@ -375,6 +374,9 @@ class Solver:
             raise InputError(
                 f"checkpoint holds {len(arrays['id'])} particles; this scene has {self.particles.n}"
             )
+        for name, array in self.lasting().items():
+            if not fits(array, arrays[name]):
+                raise files.wrong_array(name, arrays[name], host_shape(array))
         self.particles.restore(arrays)
         self._clock.clock.assign(arrays["clock"])
         self._clock.count.assign(arrays["count"])

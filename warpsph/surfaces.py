@@ -1,4 +1,4 @@
-"""Closed surface meshes: read with PyVista, check, and ask which points lie inside."""
+"""Closed surface meshes: check them, and ask which points lie inside."""
 
 import contextlib
 import logging
@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .errors import InputError
+from . import mesh_files
+from .messages import files
 
 if TYPE_CHECKING:
     import pyvista
@@ -23,6 +24,9 @@ FEW = 4
 HALF_DIAGONAL = 0.87
 """Farthest point of a cube from its centre, in sides, and a little more: sqrt(3)/2."""
 
+FLAT = 1e-12
+"""Share of its bounding box that a surface encloses at least."""
+
 
 def closed_surface(source: "str | Path | pyvista.PolyData") -> "pyvista.PolyData":
     """Give the closed, outward-oriented triangle surface of a mesh file or a PyVista mesh.
@@ -33,11 +37,11 @@ def closed_surface(source: "str | Path | pyvista.PolyData") -> "pyvista.PolyData
     is_file = isinstance(source, str | Path)
     name = str(source) if is_file else f"of type {type(source).__name__}"
     surface = _triangles(_read(Path(source)) if is_file else source, name)
-    if surface.n_open_edges:
-        raise InputError(
-            f"mesh {name} is not closed: {surface.n_open_edges} open or multiple edges; allowed: a closed surface"
-        )
-    return _outward(surface)
+    edges = np.sort(_edges(surface), axis=1)
+    open_edges = np.count_nonzero(_times(edges) != 2)
+    if open_edges:
+        raise files.no_surface(name, f"is not closed: {open_edges} open or multiple edges")
+    return _outward(surface, name)
 
 
 def within(surface: "pyvista.PolyData", points: np.ndarray, tolerance: float) -> np.ndarray:
@@ -79,19 +83,13 @@ def _signed_distance(surface: "pyvista.PolyData", points: np.ndarray) -> np.ndar
     return np.asarray(pyvista.PolyData(points).compute_implicit_distance(surface)["implicit_distance"])
 
 
-def _read(path: Path) -> "pyvista.DataObject":
+def _read(path: Path) -> "pyvista.PolyData":
+    """Make a PyVista mesh of a file."""
     import pyvista
 
-    if not path.is_file():
-        raise InputError(f"mesh {path} does not exist; allowed: a closed surface as STL, OBJ or PLY file")
-    try:
-        with _silence():
-            return pyvista.read(path)
-    except Exception as error:  # PyVista and its readers raise many kinds
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise InputError(
-            f"mesh {path} cannot be read ({reason}); allowed: a closed surface as STL, OBJ or PLY file"
-        ) from None
+    polygons = mesh_files.read(path)
+    starts = np.cumsum(polygons.sizes) - polygons.sizes
+    return pyvista.PolyData(polygons.points, faces=np.insert(polygons.corners, starts, polygons.sizes))
 
 
 @contextlib.contextmanager
@@ -108,34 +106,59 @@ def _silence() -> Iterator[None]:
 
 
 def _triangles(mesh: object, name: str) -> "pyvista.PolyData":
+    """Cut a mesh up into triangles that share their corners, as those of STL do not; degenerate ones are dropped."""
     import pyvista
 
     if not isinstance(mesh, pyvista.PolyData):
-        raise InputError(
-            f"mesh {name} is not a surface; allowed: a closed surface as file or pyvista.PolyData"
-        )
+        raise files.no_surface(name, "is not a surface")
     if not np.isfinite(mesh.points).all():
-        raise InputError(f"mesh {name} holds points that are not finite; allowed: a closed surface")
-    if mesh.n_points == 0:
-        raise InputError(f"mesh {name} holds no triangles; allowed: a closed surface")
-    # Merges the corners that STL repeats; drops lines and degenerate faces.
-    surface = mesh.clean().triangulate()
-    if surface.n_cells == 0:
-        raise InputError(f"mesh {name} holds no triangles; allowed: a closed surface")
-    surface.clear_data()
-    return surface
+        raise files.no_surface(name, "holds points that are not finite")
+    with _silence():
+        surface = mesh.triangulate()
+    points, place = np.unique(surface.points, axis=0, return_inverse=True)
+    corners = (
+        place.reshape(-1)[surface.regular_faces] if surface.n_cells else np.empty((0, 3), dtype=np.int64)
+    )
+    a, b, c = corners.T
+    corners = corners[(a != b) & (b != c) & (c != a)]
+    if not len(corners):
+        raise files.no_surface(name, "holds no triangles")
+    return pyvista.PolyData.from_regular_faces(points, corners)
 
 
-def _outward(surface: "pyvista.PolyData") -> "pyvista.PolyData":
+def _outward(surface: "pyvista.PolyData", name: str) -> "pyvista.PolyData":
     """Turn the triangles so that normals point outwards; a consistent winding (cavities too) is kept."""
     import pyvista
 
-    faces = surface.regular_faces
-    edges = np.concatenate((faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]))
-    if len(np.unique(edges, axis=0)) < len(edges):  # two neighbours run along their edge the same way
-        return surface.compute_normals(
-            auto_orient_normals=True, consistent_normals=True, split_vertices=False
-        )
-    corners = (surface.points - surface.points.mean(axis=0)).astype(np.float64)[faces]
-    six_volumes = np.linalg.det(corners).sum()
-    return surface if six_volumes > 0 else pyvista.PolyData.from_regular_faces(surface.points, faces[:, ::-1])
+    if (_times(_edges(surface)) > 1).any():  # two neighbours run along their edge the same way
+        with _silence():
+            surface = surface.compute_normals(
+                auto_orient_normals=True, consistent_normals=True, split_vertices=False
+            )
+        surface.clear_data()
+    faces, points = surface.regular_faces, surface.points.astype(np.float64)
+    volume = np.linalg.det((points - points.mean(axis=0))[faces]).sum() / 6.0
+    if abs(volume) <= FLAT * np.prod(np.ptp(points, axis=0)):
+        raise files.no_surface(name, "encloses no volume")
+    return surface if volume > 0 else pyvista.PolyData.from_regular_faces(surface.points, faces[:, ::-1])
+
+
+def _merged(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Different points, shape [k, 3], and which of them each point is, shape [n]."""
+    order = np.lexsort(points.T)
+    first = np.ones(len(points), dtype=bool)
+    first[1:] = (points[order[1:]] != points[order[:-1]]).any(axis=1)
+    place = np.empty(len(points), dtype=np.int64)
+    place[order] = np.cumsum(first) - 1
+    return points[order[first]], place
+
+
+def _edges(surface: "pyvista.PolyData") -> np.ndarray:
+    """From which point to which the edges of each triangle run, shape [3 * triangles, 2]."""
+    faces = surface.regular_faces.astype(np.int64)
+    return np.concatenate((faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]))
+
+
+def _times(edges: np.ndarray) -> np.ndarray:
+    """How often each different edge is there."""
+    return np.unique(edges[:, 0] * (edges.max() + 1) + edges[:, 1], return_counts=True)[1]

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
+from .blocks import total
 from .clock import Reading
 from .guards import Action, Guards
 from .kernels.guards import COLUMNS, CONSTRAINED, CONTACT, FINDINGS, GUARDS, LAGRANGIAN, SUMS, make_guards
@@ -167,7 +168,7 @@ class Watch:
             self._command = self._bind_look()
         self._command()
         seen = self._seen.numpy()
-        sums = (math.fsum(seen[:, k].tolist()) for k in range(len(SUMS)))
+        sums = (total(seen[:, k]) for k in range(len(SUMS)))
         blocks = seen[:, len(SUMS) :].reshape(-1, len(GUARDS), len(FINDINGS))
         counts = blocks[:, :, 0].sum(axis=0).astype(int).tolist()
         return Glance(*sums, dict(zip(GUARDS, counts, strict=True)), blocks)

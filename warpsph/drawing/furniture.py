@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure
+    from matplotlib.legend import Legend
 
 INK = "#222222"
 """Colour of text and lines."""
@@ -67,7 +68,7 @@ def draw_names(figure: "Figure", look: Look, mapping: "ScalarMappable") -> None:
 
     dots = [dot(number) for number in look.occurring]
     words = [look.categories[number].replace("_", " ") for number in look.occurring]
-    figure.legend(
+    legend = figure.legend(
         dots,
         words,
         loc="upper right",
@@ -78,6 +79,13 @@ def draw_names(figure: "Figure", look: Look, mapping: "ScalarMappable") -> None:
         handletextpad=0.2,
         borderaxespad=0.0,
     )
+    as_written(legend)
+
+
+def as_written(legend: "Legend") -> None:
+    """Show the names of a legend as they are, dollar signs too, which matplotlib takes for formulas."""
+    for text in legend.get_texts():
+        text.set_parse_math(False)
 
 
 def draw_axes(axes: "Axes", view: Camera, aspect: float) -> None:

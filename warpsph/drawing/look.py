@@ -7,7 +7,7 @@ import numpy as np
 
 from warpsph import units
 from warpsph.errors import InputError
-from warpsph.messages import values
+from warpsph.messages import files, values
 from warpsph.scalars import KERNEL_TYPES, Scalar, scalar
 from warpsph.state import State
 
@@ -16,6 +16,12 @@ from .camera import Cut
 
 PERCENTILES = (0.5, 99.5)
 """Share of the particles [%] that the colour range of a frame covers: single particles must not spoil it."""
+
+BEYOND = 1e300
+"""Magnitudes from here on count as infinite: a range must not overflow."""
+
+MOST_LAYERS = 2000
+"""Most spheres behind each other that are drawn, on average: of ten million particles in 3D there are some 200."""
 
 FAR_FLUNG = 1.0
 """Share of a body's particles [%] on each side that may leave the picture, so that spall does not shrink it."""
@@ -109,6 +115,9 @@ def choose(
             first, first_quantity, view = state, quantity, camera.named_view(view, state.dim, cut)
         last = max(last, state.time)
     box = np.array([np.min(boxes, axis=0)[0], np.max(boxes, axis=0)[1]])
+    extent = max(float((box[1] - box[0]).max()), first.spacing)
+    if len(first.x) * (first.spacing / extent) ** 2 > MOST_LAYERS:
+        raise files.crowd(len(first.x), extent, first.spacing)
     limits, extend = _limits(np.array(spans), first_quantity, range)
     signed = limits[0] < -SMALL * (limits[1] - limits[0]) and limits[1] > SMALL * (limits[1] - limits[0])
     if cut is not None and first.dim != 3:
@@ -148,7 +157,7 @@ def _check(range: tuple[float, float] | None, size: tuple[int, int], cmap: str |
 
 def _span(values: np.ndarray) -> tuple[float, float, float, float]:
     """Lowest value, low and high percentile, highest value."""
-    finite = values[np.isfinite(values)]
+    finite = values[np.abs(values) < BEYOND]
     if not finite.size:
         return np.nan, np.nan, np.nan, np.nan
     low, high = np.percentile(finite, PERCENTILES)

@@ -33,7 +33,8 @@ class Painter:
         figure = Figure(figsize=(width / dpi, height / dpi), dpi=dpi, facecolor="white")
         self._canvas = FigureCanvasAgg(figure)
         self._content = (Profile if look.dim == 1 else Cloud)(figure, look)
-        figure.text(0.02, 0.957, look.scene.replace("_", " "), fontsize=16, color=INK, weight="bold")
+        title = look.scene.replace("_", " ")
+        figure.text(0.02, 0.957, title, fontsize=16, color=INK, weight="bold", parse_math=False)
         self._stamp = figure.text(0.98, 0.957, "", fontsize=16, color=INK, ha="right")
 
     def draw(self, state: State) -> np.ndarray:

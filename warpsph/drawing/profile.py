@@ -8,7 +8,7 @@ from warpsph import units
 from warpsph.scalars import scalar
 from warpsph.state import State
 
-from .furniture import INK
+from .furniture import INK, as_written
 from .look import Look
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ class Profile:
         if not self._dots:
             for name in state.bodies:
                 self._dots += self._axes.plot([], [], "o", markersize=4.5, label=name.replace("_", " "))
-            self._axes.legend(loc="upper right", fontsize=12, labelcolor=INK)
+            as_written(self._axes.legend(loc="upper right", fontsize=12, labelcolor=INK))
         for number, dots in enumerate(self._dots):
             mask = np.asarray(state.body) == number
             dots.set_data(state.x[mask, 0] * self._length, values[mask] * self._factor)

@@ -5,11 +5,6 @@ from pathlib import Path
 from warpsph.errors import InputError
 
 
-def unreadable(path: Path, error: Exception) -> InputError:
-    """The file cannot be read as text."""
-    return InputError(f"scene file {path} cannot be read: {error}")
-
-
 def no_python(path: Path, error: Exception) -> InputError:
     """The file is not Python at all."""
     return InputError(f"{path}: not a Python file: {error}")

@@ -68,6 +68,11 @@ def shown(value: object) -> str:
     return text if len(text) < LONGEST else text[: LONGEST - 4] + " ..."
 
 
+def printable(text: str) -> str:
+    """A text from a file as it may be printed: what would move the cursor or hide something is written out."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+
+
 def meant(value: object, names: Iterable[str]) -> str:
     """A suggestion in brackets if one of the names is close to the value, else nothing."""
     close = difflib.get_close_matches(str(value), list(names), n=1, cutoff=CLOSE)

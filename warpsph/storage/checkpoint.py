@@ -12,6 +12,7 @@ from warpsph.errors import InputError
 from warpsph.messages import files, remarks
 
 from . import atomic, hdf5
+from .facts import check, finite, natural
 from .folder import DAMAGED, NEWEST, PREVIOUS, checkpoints
 
 FORM, VERSION = "warpsph checkpoint", 3
@@ -22,9 +23,6 @@ HEADER = (
     "device_name", "time", "step", "until",
 )  # fmt: skip
 """Facts that are attributes of the file too, where any HDF5 tool shows them."""
-
-CHUNK = 8192
-"""Rows that share a checksum: pieces as large as fit into HDF5's cache."""
 
 
 class Found(NamedTuple):
@@ -55,16 +53,12 @@ def save(path: Path, arrays: dict[str, np.ndarray], info: dict, keep: Path | Non
     Raises:
         DiskError: If it cannot be written; an older file of that name stays whole.
     """
-    with hdf5.writing(path, FORM, VERSION, keep) as file:
+    with hdf5.writing(path, FORM, VERSION, info, keep) as file:
         file.attrs.update({name: _plain(info[name]) for name in HEADER if info.get(name) is not None})
-        file["info"] = json.dumps(info)
+        file["info"] = json.dumps(info)  # for other programs
         group = file.create_group("arrays", track_order=True)
         for name, array in arrays.items():
-            array = np.asarray(array)
-            checked = {}
-            if array.size and array.ndim:
-                checked = {"fletcher32": True, "chunks": (min(len(array), CHUNK), *array.shape[1:])}
-            group.create_dataset(name, data=array, **checked)
+            group.create_dataset(name, data=np.asarray(array))
 
 
 def load(path: Path) -> tuple[dict[str, np.ndarray], dict]:
@@ -74,12 +68,10 @@ def load(path: Path) -> tuple[dict[str, np.ndarray], dict]:
         The arrays and the facts, as they were saved.
 
     Raises:
-        InputError: If the file is missing, no checkpoint, of another format version, or damaged (each array has a
-            checksum).
+        InputError: If the file is missing, no checkpoint, of another format version, or damaged.
     """
     with hdf5.reading(path, FORM, VERSION) as file:
-        arrays = {name: data[...] for name, data in file["arrays"].items()}
-        return arrays, json.loads(file["info"].asstr()[()])
+        return {name.removeprefix("arrays/"): file.array(name) for name in file.names}, file.facts
 
 
 def facts(path: Path) -> dict:
@@ -88,8 +80,9 @@ def facts(path: Path) -> dict:
     Raises:
         InputError: As `load`, but arrays are not looked at.
     """
-    with hdf5.reading(path, FORM, VERSION) as file:
-        return {"format_version": VERSION} | json.loads(file["info"].asstr()[()])
+    with hdf5.reading(path, FORM, VERSION, whole=False) as file:
+        check(file.facts, {"time": finite, "step": natural})
+        return {"format_version": VERSION} | file.facts
 
 
 def save_newest(folder: Path, arrays: dict[str, np.ndarray], info: dict) -> None:

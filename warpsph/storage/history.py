@@ -13,8 +13,12 @@ from typing import Self
 import numpy as np
 
 from warpsph.errors import InputError
+from warpsph.messages import files
 
-from . import atomic
+from . import atomic, text
+
+LONGEST = 2**26
+"""Longest file that is read [bytes]; a run writes some hundred thousand."""
 
 
 class History:
@@ -142,22 +146,21 @@ def read(path: Path) -> tuple[list[str], list[str], dict[str, np.ndarray]]:
         InputError: If the file is missing or no history.
     """
     columns, rows = _parse(Path(path))
-    table = np.array([[float(text) for text in row] for row in rows]).reshape(len(rows), len(columns))
+    table = np.array([[float(cell) for cell in row] for row in rows]).reshape(len(rows), len(columns))
     names = [name for name, _ in columns]
     return names, [unit for _, unit in columns], dict(zip(names, table.T, strict=True))
 
 
 def _parse(path: Path) -> tuple[list[tuple[str, str]], list[list[str]]]:
     """Columns and rows of a file. A last line that a crash cut short does not count."""
+    content = text.read(path, "history", LONGEST)
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"{path} is not readable as a history ({getattr(error, 'strerror', None) or error})"
-        ) from error
-    header, *rows = list(csv.reader(text[: text.rfind("\n") + 1].splitlines())) or [[]]
+        header, *rows = list(csv.reader(content[: content.rfind("\n") + 1].splitlines())) or [[]]
+    except csv.Error as error:
+        raise files.unreadable(path, "history", error) from error
     matches = [re.fullmatch(r"(.+) \[(.*)\]", cell) for cell in header]
-    if not matches or not all(matches) or matches[0][1] != "time":
+    names = [match[1] for match in matches if match and match[1].isprintable() and match[2].isprintable()]
+    if len(set(names)) < len(header) or names[:1] != ["time"]:
         raise InputError(f"{path} is no history: its first line must name columns like 'time [s]'")
     for number, row in enumerate(rows, start=2):
         if len(row) != len(header) or not all(map(_is_number, row)):
@@ -177,10 +180,10 @@ def _text(value: float) -> str:
     return str(int(value)) if isinstance(value, int | np.integer) else repr(float(value))
 
 
-def _is_number(text: str) -> bool:
+def _is_number(cell: str) -> bool:
     """Whether a cell holds a number."""
     try:
-        float(text)
+        float(cell)
     except ValueError:
         return False
     return True

@@ -2,27 +2,43 @@
 
 The particles are the vertices of a VTKHDF ``PolyData``; each output field of `warpsph.fields` is a point
 array under its title (tensors have nine components, row by row) with the attributes ``unit`` and ``meaning``.
-Time, step, scene, names, spacing and smoothing length are field data.
+Time, step, scene, names, spacing and smoothing length are field data, and facts for `read`.
 """
 
 import json
 import math
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from warpsph.fields import BY_NAME, FIELDS, Field
+from warpsph.scalars import KERNEL_TYPES
 from warpsph.state import State
 
-from . import atomic, hdf5
+from . import atomic, facts, hdf5
 
 if TYPE_CHECKING:
     import h5py
 
-FORM, VERSION = "warpsph snapshot", 1
+FORM, VERSION = "warpsph snapshot", 2
 """Name and version of the format; the version rises when old readers would fail."""
+
+FACTS = {
+    "time": facts.finite,
+    "step": facts.natural,
+    "dim": facts.one_of(1, 2, 3),
+    "spacing": facts.positive,
+    "h": facts.positive,
+    "scene": facts.text,
+    "bodies": facts.texts,
+    "materials": facts.texts,
+}
+"""What is said about a snapshot, by the names of `State`, and what it has to be."""
+
+NEEDED = ("id", "body", "mat", "x")
+"""Fields that every snapshot has."""
 
 COMPONENTS = {"int": (), "real": (), "vec": (3,), "point": (3,), "mat": (9,), "sym": (9,)}
 """Shape of one particle's entry in the file."""
@@ -34,7 +50,8 @@ def write(path: Path, state: State) -> None:
     Raises:
         DiskError: If it cannot be written; an older file of that name stays whole.
     """
-    with hdf5.writing(path, FORM, VERSION) as file:
+    said = _facts(state)
+    with hdf5.writing(path, FORM, VERSION, said) as file:
         root = file.create_group("VTKHDF", track_order=True)
         root.attrs["Version"] = np.array([2, 2], dtype=np.int64)
         root.attrs["Type"] = np.bytes_("PolyData")  # VTK wants a string of fixed length here
@@ -43,7 +60,7 @@ def write(path: Path, state: State) -> None:
         for f in FIELDS:
             if f.output and f.name in state.fields and f.name != "x":
                 _write_array(data, f.title, f, state.fields[f.name])
-        _write_facts(root.create_group("FieldData"), state)
+        _write_facts(root.create_group("FieldData"), said)
 
 
 def read(path: Path) -> State:
@@ -56,35 +73,27 @@ def read(path: Path) -> State:
         InputError: If the file is missing, damaged, or no snapshot.
     """
     with hdf5.reading(path, FORM, VERSION) as file:
-        root = file["VTKHDF"]
-        data, facts = root["PointData"], root["FieldData"]
+        said = facts.check(file.facts, FACTS)
         fields = {}
         for f in FIELDS:
-            if f.name == "x":
-                fields["x"] = root["Points"][...]
-            elif f.title in data:
-                fields[f.name] = data[f.title][...]
-        n = int(root["NumberOfPoints"][0])
-        for name, array in fields.items():
-            fields[name] = _shaped(BY_NAME[name], array, n)
-        numbers = {name: facts[name][0].item() for name in ("step", "dim", "spacing", "h")}
-        texts = {name: list(facts[name].asstr("utf-8")[:]) for name in ("scene", "bodies", "materials")}
-        return State(
-            time=facts["TimeValue"][0].item(),
-            **numbers,
-            **(texts | {"scene": texts["scene"][0]}),
-            fields=fields,
-        )
+            place = "VTKHDF/Points" if f.name == "x" else f"VTKHDF/PointData/{f.title}"
+            if place in file.names or f.name in NEEDED:
+                fields[f.name] = file.array(place)
+        n = len(fields["x"])
+        fields = {name: _shaped(BY_NAME[name], array, n) for name, array in fields.items()}
+        state = State(**said, fields=fields)
+        _check_indices(state)
+        return state
 
 
 def time(path: Path) -> float:
     """Time of a snapshot [s], without reading its particles.
 
     Raises:
-        InputError: As `read`.
+        InputError: As `read`; but damage of the particles stays unseen.
     """
-    with hdf5.reading(path, FORM, VERSION) as file:
-        return file["VTKHDF/FieldData/TimeValue"][0].item()
+    with hdf5.reading(path, FORM, VERSION, whole=False) as file:
+        return facts.check(file.facts, FACTS)["time"]
 
 
 def find(folder: Path) -> list[Path]:
@@ -172,25 +181,50 @@ def _write_array(group: "h5py.Group", title: str, f: Field, array: np.ndarray) -
     data.attrs.update({"unit": f.unit, "meaning": f.meaning})
 
 
-def _write_facts(group: "h5py.Group", state: State) -> None:
-    """What holds for the whole snapshot. Text is UTF-8 that is declared ASCII: VTK reads no other."""
+def _facts(state: State) -> dict[str, Any]:
+    """What holds for the whole snapshot, for `read`."""
+    return {
+        "time": float(state.time), "step": int(state.step), "dim": int(state.dim), "spacing": float(state.spacing),
+        "h": float(state.h), "scene": state.scene, "bodies": list(state.bodies), "materials": list(state.materials),
+    }  # fmt: skip
+
+
+def _write_facts(group: "h5py.Group", said: dict[str, Any]) -> None:
+    """The same for other programs. Text is UTF-8 that is declared ASCII: VTK reads no other."""
     import h5py
 
-    facts = {"TimeValue": float(state.time), "spacing": float(state.spacing), "h": float(state.h)}
-    facts |= {"step": np.int64(state.step), "dim": np.int64(state.dim)}
-    for name, value in facts.items():
-        group[name] = np.array([value])
-    for name, texts in (("scene", [state.scene]), ("bodies", state.bodies), ("materials", state.materials)):
+    for name, value in said.items():
+        title = "TimeValue" if name == "time" else name
+        if isinstance(value, int | float):
+            group[title] = np.array([value])
+            continue
+        texts = [value] if isinstance(value, str) else value
         encoded = np.array([text.encode() for text in texts], dtype=object)
-        group.create_dataset(name, data=encoded, shape=(len(texts),), dtype=h5py.string_dtype("ascii"))
+        group.create_dataset(title, data=encoded, shape=(len(texts),), dtype=h5py.string_dtype("ascii"))
 
 
 def _shaped(f: Field, array: np.ndarray, n: int) -> np.ndarray:
     """A field as the state holds it.
 
     Raises:
-        ValueError: If the file gives it another shape.
+        ValueError: If the file gives it another shape or type.
     """
     if array.shape != (n, *COMPONENTS[f.kind]):
         raise ValueError(f"field {f.title!r} has shape {array.shape}; expected {(n, *COMPONENTS[f.kind])}")
+    if (f.kind == "int") != (array.dtype.kind == "i"):
+        raise ValueError(f"field {f.title!r} has the type {array.dtype}")
     return array.reshape(n, 3, 3) if f.kind in ("mat", "sym") else array
+
+
+def _check_indices(state: State) -> None:
+    """Check the numbers that stand for something.
+
+    Raises:
+        ValueError: If one stands for nothing.
+    """
+    ends = {"id": len(state.x), "body": len(state.bodies), "mat": len(state.materials)}
+    ends |= {"kernel_type": len(KERNEL_TYPES), "fixed": 8}
+    for name, end in ends.items():
+        values = state.fields.get(name, np.empty(0))
+        if len(values) and not 0 <= values.min() <= values.max() < end:
+            raise ValueError(f"field {BY_NAME[name].title!r} has values outside of 0 to {end - 1}")
