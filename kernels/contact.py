@@ -97,8 +97,10 @@ def make_contact(s: Spec, smoothing: Smoothing, planes: bool, parts: Parts = (CO
                     r = wp.sqrt(r2)
                     w_ij = w(r, h)
                     f, slope = w_ij * w_spacing, dw_r(r, h) * w_spacing
-                    # every factor is the same seen from b, to the last bit
-                    size = contact_scale * wp.min(modulus_i, contact_modulus[mat[j]]) * (vol_i * vol[j])
+                    # every factor is the same seen from b, to the last bit; V_a V_b alone may be 0 in single precision
+                    size = contact_scale * wp.min(modulus_i, contact_modulus[mat[j]])
+                    size *= wp.min(vol_i, vol[j])
+                    size *= wp.max(vol_i, vol[j])
                     size *= four * f * f
                     push = -size * f * slope
                     # above both second derivatives of the potential: with D = |(dW/dr)/r| at r = 0, largest there,

@@ -15,12 +15,12 @@ from .smoothing import Smoothing
 from .spec import Spec
 from .tensor import make_tensor
 
-CONDITION = 1.0e-2
-"""Smallest det(M)/|M|^d of the moment matrix that is inverted; a worse one falls back to the plain gradient.
+CONDITION = 2.0e-2
+"""Smallest det(M)/max(|M|, 1)^d of the moment matrix that is inverted; a worse one falls back to the plain gradient.
 
-On a lattice it is 1 inside a body, 0.46 at a face and 0.21 at an edge. Spalled particles with a few neighbours in a row
-that pass at 1e-3 have gradients which take a hundred times their energy from them, until a tension without bound
-(hvi_2d, ``sav1-mixed-as``).
+On a lattice M is 1 inside a body, and the ratio 0.46 at a face and 0.1 to 0.2 at an edge or corner in 2D and 3D, 0.07 at
+a corner where h is 0.8 of the spacing. A fragment or a bent line of particles has a small M, or a flat one: gradients that
+make up for it take many times their energy from its particles, until a tension without bound (hvi_2d, ``sav1-mixed-as``).
 """
 
 
@@ -50,7 +50,7 @@ def make_correction(
     def inverse_or_identity(M: mat, neighbours: wp.int32):
         """M⁻¹ in the components that move, or 1 where M is ill-conditioned or there is one neighbour or none."""
         one = wp.identity(n=3, dtype=real)
-        size = real(0.0)
+        size = real(1.0)
         for c in range(dim):
             size = wp.max(size, wp.length(M[c]))
         for c in range(dim, 3):

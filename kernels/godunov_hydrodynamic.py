@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import warp as wp
 
 from .correction import make_gradient
-from .interface import make_interface
+from .interface import CLOSEST, make_interface
 from .lanes import make_lanes, make_reads
 from .limiters import make_limiter
 from .material import make_material
@@ -57,6 +57,7 @@ def make_hydrodynamic(
     taken, raised, value, row_end, Bits = lanes.worth, lanes.raised, lanes.value, lanes.row_end, lanes.Bits
     dot, quadratic = tensor.dot, tensor.quadratic
     zero, half, one, two = real(0.0), real(0.5), real(1.0), real(2.0)
+    closest = real(CLOSEST)
     dim, on, second, fragile = s.dim, wp.constant(int(corrected)), states.order == 2, states.fragile
     options = (smoothing.name, states.tag, "corrected" * corrected, "planes" * planes)
 
@@ -120,7 +121,7 @@ def make_hydrodynamic(
         last = row_end(first, n_neigh[i])
         own = i * on  # K and G are one long where there is no correction
         xi, vi, kicked_i = read.point(x, i), read.vec(v_start, i), read.vec(v, i)
-        r_max2 = support * support * h * h
+        r_max2, closest2 = support * support * h * h, closest * closest * h * h
         p_i, rho_i, cs_i = p[i], rho[i], cs[i]
         A_i = materials[mat[i]].A_shock
         bears_i, whole_i = True, True
@@ -142,7 +143,7 @@ def make_hydrodynamic(
             near = r2 < r_max2 and read.integer(neigh, k) != i
             if taken(near):
                 vj = mirror.vector(read.vec(v_start, j), sign)
-                r = wp.sqrt(wp.where(near, r2, h * h))
+                r = wp.sqrt(wp.max(wp.where(near, r2, h * h), closest2))
                 dw, w_ij = wp.where(near, dw_r(r, h), zero), zero
                 per_r = one / r
                 e = per_r * xij

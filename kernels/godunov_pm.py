@@ -5,7 +5,7 @@ import functools
 import warp as wp
 
 from .correction import make_gradient
-from .interface import make_interface
+from .interface import CLOSEST, make_interface
 from .lanes import make_lanes, make_reads
 from .material import make_material
 from .mirror import make_mirror
@@ -26,6 +26,7 @@ def make_godunov_pm(
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     dot, act = tensor.dot, tensor.act
     zero, half, one, two = real(0.0), real(0.5), real(1.0), real(2.0)
+    closest = real(CLOSEST)
     read = make_reads(s)
     lanes = make_lanes(s)
     worth, raised, value, row_end, Bits = lanes.worth, lanes.raised, lanes.value, lanes.row_end, lanes.Bits
@@ -89,7 +90,7 @@ def make_godunov_pm(
         bears_i = True
         if wp.static(fragile):
             bears_i = D[i] < materials[mat[i]].D_tension
-        r_max2 = support * support * h * h
+        r_max2, closest2 = support * support * h * h, closest * closest * h * h
         # scalars, not vectors or matrices: the compiler keeps them in registers
         f_x, f_y, f_z, power = real(0.0), real(0.0), real(0.0), real(0.0)
         mu_top = Bits(0)
@@ -104,7 +105,7 @@ def make_godunov_pm(
             r2 = dot(xij, xij)
             near = r2 < r_max2 and read.integer(neigh, k) != i
             if worth(near):
-                r = wp.sqrt(wp.where(near, r2, h * h))
+                r = wp.sqrt(wp.max(wp.where(near, r2, h * h), closest2))
                 dw, w_ij = wp.where(near, dw_r(r, h), zero), zero
                 if wp.static(corrected):
                     w_ij = wp.where(near, w(r, h), zero)

@@ -7,6 +7,9 @@ import warp as wp
 from .riemann import make_riemann, make_riemann_state
 from .spec import Spec
 
+CLOSEST = 1e-6
+"""Distance in h below which the direction of a pair fades: particles that meet have none, and no force either."""
+
 
 @functools.cache
 def make_interface(s: Spec, riemann: str) -> tuple[wp.Function, wp.Function]:

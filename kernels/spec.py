@@ -66,16 +66,21 @@ class Spec:
         own = "mixed" if self.place is not self.real else "f32" if self.real is wp.float32 else "f64"
         return f"{self.dim}d_{own}" + "_gpu" * (self.lanes == 1)
 
-    def module(self, file: str, variant: str = "", lanes: bool = False) -> str:
+    def module(self, file: str, variant: str = "", lanes: bool = False, tables: str = "") -> str:
         """Name the Warp module that holds the kernels of ``file`` at this specialisation.
 
         Warp compiles and caches one module at a time and fixes its options at the first load, so a
         file whose kernels have compile-time options beyond the specialisation adds a ``variant``; one whose
-        loops are over lanes says so.
+        loops are over lanes says so. Of functions that a loop picks from a table by its index Warp does not see whether
+        they have changed since it compiled them: ``tables`` tells one text of them from another.
         """
         name = ".".join(part for part in (file, self.tag, variant) if part)
         wp.get_module(name).options |= {"enable_backward": False, "default_grid_stride": False}
         if lanes and self.lanes > 1:
             flags = wp.config.cpu_compiler_flags or "-march=native"
             wp.get_module(name).options["cpu_compiler_flags"] = f"{flags} {LANE_FLAGS}"
+        if tables:
+            wp.get_module(name).options["tables"] = (
+                tables  # every option is in the hash by which Warp keeps modules
+            )
         return name

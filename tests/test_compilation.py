@@ -1,10 +1,13 @@
 """Compilation: a run loads the modules it launches kernels of, all of them before the first launch, and no others."""
 
+import inspect
+
 import pytest
-from tools import collision, scene
+from tools import DOUBLE, collision, scene
 
 from warpsph import solver
 from warpsph.config import Contact, Conversion
+from warpsph.kernels.constitutive import laws_text, make_constitutive
 from warpsph.launch import Launcher
 from warpsph.shapes import Box
 from warpsph.solver import Solver
@@ -53,3 +56,14 @@ def test_the_modules_of_a_run_are_loaded_at_its_start(make, monkeypatch):
     run.ledger()
     assert late == [False]
     assert loaded == launched
+
+
+def test_a_change_of_a_material_law_is_compiled_anew(monkeypatch):
+    """Warp's hash of a module does not see functions that a loop picks from a table; it sees the module's options."""
+    laws_text.cache_clear()
+    before = laws_text()
+    assert make_constitutive(DOUBLE[1], False, False).module.options["tables"] == before
+    laws_text.cache_clear()
+    monkeypatch.setattr(inspect, "getsource", lambda module: f"{module.__name__}, changed")
+    assert laws_text() != before
+    laws_text.cache_clear()

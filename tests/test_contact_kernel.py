@@ -167,6 +167,15 @@ def test_reaction_equals_action_to_the_last_bit(spec):
         assert found["dedt"][0] == 2.0 * found["dedt"][1] != 0.0
 
 
+def test_volumes_so_small_that_their_product_is_none_still_push(spec):
+    """Particles of 0.1 micrometres have 1e-21 m³: V_a V_b is 0 in single precision, the force is not."""
+    usual, tiny = (pair(spec.dim, 0.7 * SPACING, vol=np.full(2, V)) for V in (SPACING**spec.dim, 1e-23))
+    ratio = (1e-23 / SPACING**spec.dim) ** 2
+    expected = ratio * contact(spec, usual)["dvdt"]
+    np.testing.assert_allclose(contact(spec, tiny)["dvdt"], expected, rtol=1e-5)
+    assert expected[0, 0] != 0.0
+
+
 def test_the_softer_material_decides(precision):
     def push(*mat):
         return np.linalg.norm(contact(precision, pair(3, SPACING, mat=np.array(mat)))["dvdt"][0])

@@ -15,7 +15,17 @@ PACKAGES = {
 KERNEL_FILES = sorted((ROOT / "kernels").glob("*.py"))
 HOST_FILES = sorted((ROOT / "warpsph").rglob("*.py"))
 
-KERNEL_LIBRARIES = {"collections", "dataclasses", "enum", "functools", "math", "typing", "warp"}
+KERNEL_LIBRARIES = {
+    "collections",
+    "dataclasses",
+    "enum",
+    "functools",
+    "hashlib",
+    "inspect",
+    "math",
+    "typing",
+    "warp",
+}
 ENGINE = {"blocks", "clock", "compilation", "launch", "neighbours", "particles", "schemes", "tiles"}
 OUTPUT = {"drawing", "plot", "render", "scalars", "storage"}
 TOP = {"cli", "job", "library", "progress", "quality", "run"}

@@ -10,6 +10,7 @@ import warp as wp
 from .admission import admit
 from .blocks import CUDA_STEP_BLOCKS, Blocks
 from .clock import Clock, Reading
+from .closing import courant
 from .compilation import compile_modules, kernels_of
 from .contact import contact_constants
 from .copies import make_room, to_device, to_host
@@ -20,6 +21,7 @@ from .kernels.sort import make_sort
 from .kernels.spec import Spec
 from .kernels.timestep import COLLAPSED, INSIDE_OUT, NON_FINITE, RUNNING, STALE
 from .launch import Command, Launcher
+from .magnitudes import check_magnitudes
 from .materials import pack
 from .memory import Policy, policy_of
 from .need import estimate
@@ -85,7 +87,8 @@ class Solver:
             say: Takes one line, what all of this needs of memory, before anything is allocated.
 
         Raises:
-            InputError: No such device or precision, or no memory for it; says what would fit.
+            InputError: No such device or precision, no memory for it (says what would fit), or the scene's numbers do not
+                fit into the precision.
         """
         if precision not in PRECISIONS:
             raise InputError(f"precision {precision!r} is unknown; allowed: {', '.join(PRECISIONS)}")
@@ -93,6 +96,7 @@ class Solver:
         self.launcher = Launcher(device, threads)
         self._policy = policy or policy_of(self.launcher.device)
         self._spec = Spec(data.dim, *PRECISIONS[precision], lanes=self._policy.lanes)
+        check_magnitudes(data, self._spec, precision)
         h = data.h
         self._scheme = make_scheme(data, self._spec)
         self.need = estimate(data, self._spec, self._scheme, self._policy, self.launcher.device, copies)
@@ -114,7 +118,7 @@ class Solver:
             searching=self._scheme.searching,
         )
         self.reference = self._find_reference()
-        self._constants = SimpleNamespace(h=h, spacing=data.spacing, cfl=data.numerics.cfl)
+        self._constants = SimpleNamespace(h=h, spacing=data.spacing, cfl=courant(data))
         self._work = self._allocate_work()
         self.program = Program(self.launcher)
         self.watch = Watch(

@@ -79,7 +79,9 @@ def explain(now: Reading, particles: Particles, data: SceneData, scheme: Scheme)
     if now.status == NON_FINITE and np.any(bad):
         i = int(np.argmax(bad))
         culprit = name_culprit(particles, data, i, now)
-        return stops.not_finite(culprit, broken_fields(particles, i), float(p["rho"][i]))
+        return stops.not_finite(
+            culprit, broken_fields(particles, i), float(p["rho"][i]), int(p["clipped"][i])
+        )
     with np.errstate(all="ignore"):  # a state beyond all numbers
         speed = p["cl"] + VISCOUS_SHARE * p.get("av_switch", 1.0) * (
             scheme.viscosity_alpha * p["cs"] + scheme.viscosity_beta * p["mu"]

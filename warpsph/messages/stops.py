@@ -23,11 +23,14 @@ WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 GO_ON = "`warpsph resume DIR --on-trouble warn` goes on from the last checkpoint in spite of it"
 
 
-def not_finite(culprit: "Culprit", fields: Sequence[str], density: float = 1.0) -> RunError:
-    """A particle's state is not finite."""
+def not_finite(culprit: "Culprit", fields: Sequence[str], density: float = 1.0, clipped: int = 0) -> RunError:
+    """A particle's state is not finite; ``clipped``: steps in which its equation of state had no answer before."""
     what = f"{', '.join(fields)} not finite"
     if density <= 0.0:
         what += f", density {density:.6g} kg/m^3 not positive"
+    if clipped:
+        what += f"; its equation of state had left its range in {clipped} steps"
+        return _stopped(culprit, what, "a pressure_cutoff bounds the tension of a material")
     return _stopped(culprit, what, "a smaller cfl may help; look at the snapshot before")
 
 

@@ -55,3 +55,21 @@ def meant(value: object, names: Iterable[str]) -> str:
     """A suggestion in brackets if one of the names is close to the value, else nothing."""
     close = difflib.get_close_matches(str(value), list(names), n=1, cutoff=CLOSE)
     return f" (did you mean {close[0]!r}?)" if close else ""
+
+
+def beyond_precision(
+    spacing: float, precision: str, what: str, size: float, limits: tuple[float, float]
+) -> InputError:
+    """A number that a step works with overflows or vanishes in the run's precision."""
+    return InputError(
+        f"spacing = {spacing:g} m does not go with precision {precision!r}: {what} is {size:.2g}, beyond "
+        f"{limits[0]:.0e} to {limits[1]:.0e}; allowed: precision 'float64', or other units of length, mass and time"
+    )
+
+
+def too_far(far: float, precision: str, rounding: float, coarsest: float) -> InputError:
+    """Positions are so far from the origin that they are rounded too much."""
+    return InputError(
+        f"position = {far:g} m from the origin does not go with precision {precision!r}: it is rounded to {rounding:.2g} "
+        f"spacings; allowed: up to {coarsest:g} spacings, with precision 'mixed' or 'float64' or nearer to the origin"
+    )
