@@ -56,7 +56,7 @@ def make_timestep(
     lowered, finite, value, Bits = lanes.lowered, lanes.finite, lanes.value, lanes.Bits
     zero = real(0.0)
     share, acceleration = real(VISCOUS_SHARE), real(ACCELERATION_CFL)
-    floor, contact_cfl, leap_h = wp.float64(FLOOR), real(CONTACT_CFL), real(LEAP)
+    floor, contact_cfl = wp.float64(FLOOR), real(CONTACT_CFL)
     options = ("lagrangian" * lagrangian, "contact" * contact, "switched" * switched)
     module = s.module(__name__, "_".join(filter(None, options)))
     over_lanes = s.module(__name__, "_".join(filter(None, ("local", *options))), lanes=True)
@@ -175,6 +175,7 @@ def make_timestep(
         unlisted: wp.array[wp.int32],
         turned: wp.array[wp.int32],
         h: real,
+        leap: real,
         plane_mask: wp.int32,
         # out:
         dt: wp.array[real],
@@ -185,7 +186,7 @@ def make_timestep(
 
         clock = [time, t_stop, dt, smallest dt, largest dt, first dt, wear]; count = [status, steps].
         The last step before t_stop hits it exactly, and the one before is halved rather than leaving a sliver.
-        Nothing comes nearer to anything by more than `LEAP` h: what is not yet in reach limits no other step.
+        Nothing comes nearer to anything by more than ``leap`` h: what is not yet in reach limits no other step.
         """
         smallest, worn = real(1.0e30), real(0.0)
         low, high = vec(real(1.0e30)), vec(real(-1.0e30))
@@ -198,9 +199,9 @@ def make_timestep(
             if (plane_mask >> c) & 1 == 1:  # an image moves the other way
                 speed = real(2.0) * wp.max(-low[c], high[c])
             speed2 += speed * speed
-        leap = leap_h * h / wp.sqrt(speed2)
-        if leap < smallest:
-            smallest = leap
+        dt_leap = leap * h / wp.sqrt(speed2)
+        if dt_leap < smallest:
+            smallest = dt_leap
         for t in range(tile_wear.shape[0]):
             worn = wp.max(worn, tile_wear[t])
         if dt[0] > zero:

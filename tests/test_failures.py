@@ -68,7 +68,7 @@ def test_a_collapsing_time_step_stops_the_run(solver):
 
 
 @pytest.mark.parametrize("energy", [1e308, 1e200])
-@pytest.mark.filterwarnings("ignore:overflow")
+@pytest.mark.filterwarnings("error")
 def test_a_scene_beyond_all_numbers_stops_at_once(energy):
     """Its sound speed overflows or its first step does: it must not go on for ever with a time step of zero."""
     made = scene(2)

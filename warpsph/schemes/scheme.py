@@ -1,5 +1,6 @@
 """What every scheme has: its material update, its time step, and the arrays and constants its kernels are bound to."""
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ from warpsph.kernels.parts import CONTACT, Parts, part_types
 from warpsph.kernels.smoothing import make_smoothing
 from warpsph.kernels.spec import Spec
 from warpsph.kernels.tiles import make_tiles
-from warpsph.kernels.timestep import make_timestep
+from warpsph.kernels.timestep import LEAP, make_timestep
 from warpsph.launch import Command
 from warpsph.tiles import Tiles
 
@@ -119,6 +120,11 @@ class Scheme(ABC):
         )
         self._contact = make_contact(spec, self.smoothing, planes, self.parts).contact if contact else None
         self._constitutive = make_constitutive(spec, self._sheet, split, lagrangian)
+
+    @property
+    def leap(self) -> float:
+        """Largest distance by which particles come nearer in a step [h]: none where nothing comes into reach."""
+        return LEAP if self.searching else math.inf
 
     def arrays(self, n: int) -> dict[str, wp.array]:
         """Arrays that live from one launch to the next but are no state; 1 long where the scheme has no use for them.
