@@ -8,7 +8,7 @@ import pytest
 from states import impact
 from tools import body, jittered
 
-from warpsph import blocks, info, library, plot, run, scalars
+from warpsph import blocks, info, library, origin, plot, scalars
 from warpsph.drawing import look
 from warpsph.errors import InputError
 from warpsph.storage import checkpoint, history, text
@@ -109,12 +109,14 @@ JOB = {
         ({}, {"next_row": -1.0}, "next_row is not a number that is not negative"),
         ({}, {"interval": 5e-324}, "outputs have no end"),
         ({}, {"neighbours": ["1"]}, "neighbours is not a finite number"),
-        ({}, {"finish": 1}, "facts that no job has"),
+        ({}, {"peaks": {"pressure": "1"}}, "peaks is not a record of numbers"),
     ],
 )
 def test_a_run_goes_on_from_sound_facts_only(tmp_path, change, job, message):
     def check(change, job):
-        run._check(checkpoint.Found({}, FACTS | {"job": JOB | job} | change, tmp_path / "checkpoint.h5", []))
+        origin.check(
+            checkpoint.Found({}, FACTS | {"job": JOB | job} | change, tmp_path / "checkpoint.h5", [])
+        )
 
     check({}, {})
     with pytest.raises(InputError, match=rf"checkpoint\.h5 is damaged .*{message}"):

@@ -1,4 +1,4 @@
-"""Where a checkpoint comes from: what it says of its run, and in what the one that goes on from it differs."""
+"""Where a checkpoint comes from: what it says of its run, what of that has to be there, and how a later run differs."""
 
 from pathlib import Path
 from typing import Any
@@ -6,10 +6,43 @@ from typing import Any
 import warp as wp
 
 from . import __version__
-from .messages import remarks
+from .messages import files, remarks
 from .processor import processor
 from .solver import Solver
-from .storage import checkpoint
+from .storage import checkpoint, facts
+
+NEEDED = {
+    "time": facts.not_negative, "until": facts.positive, "row_time": facts.finite, "device": facts.text, "precision": facts.text,
+    "device_name": facts.text, "version": facts.text, "warp": facts.text, "solver": facts.record, "balance": facts.record,
+    "parameters": facts.record, "job": facts.record, "frames": facts.truth,
+}  # fmt: skip
+"""Facts of a checkpoint that a run goes on from, and what they have to be."""
+
+KEPT = {
+    "interval": facts.positive, "row_interval": facts.positive, "ends": facts.numbers, "due": facts.natural,
+    "next_snapshot": facts.natural, "next_row": facts.not_negative, "neighbours": facts.numbers, "peaks": facts.peaks,
+    "remarks": facts.texts, "wall": facts.not_negative, "step_wall": facts.not_negative,
+}  # fmt: skip
+"""Attributes of a `Job` that a checkpoint keeps, its fact ``job``, and what they have to be."""
+
+SHORTEST = 1e-9
+"""Shortest interval of outputs, as a share of the end time."""
+
+
+def check(found: checkpoint.Found) -> None:
+    """Check the facts of a checkpoint that a run goes on from.
+
+    Raises:
+        InputError: If one is missing or of a wrong type.
+    """
+    info = found.info
+    try:
+        facts.check(info, NEEDED)
+        facts.check(info["job"], KEPT)
+        if min(info["job"]["interval"], info["job"]["row_interval"]) < SHORTEST * info["until"]:
+            raise ValueError("its outputs have no end")
+    except ValueError as error:
+        raise files.damaged(found.path, checkpoint.FORM, error) from None
 
 
 def header(solver: Solver, out: Path) -> dict[str, Any]:
@@ -38,10 +71,10 @@ def differences(then: dict[str, Any], now: dict[str, Any]) -> list[str]:
     return said
 
 
-def _arithmetic(facts: dict[str, Any]) -> str:
-    kind = "CUDA" if facts["device"] != "cpu" else "CPU"
-    return f"on the {kind} {facts['device_name']} in {facts['precision']}"
+def _arithmetic(info: dict[str, Any]) -> str:
+    kind = "CUDA" if info["device"] != "cpu" else "CPU"
+    return f"on the {kind} {info['device_name']} in {info['precision']}"
 
 
-def _versions(facts: dict[str, Any]) -> str:
-    return f"warpsph {facts['version']} with Warp {facts['warp']}"
+def _versions(info: dict[str, Any]) -> str:
+    return f"warpsph {info['version']} with Warp {info['warp']}"

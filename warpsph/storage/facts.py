@@ -70,6 +70,12 @@ def numbers(value: Any) -> list[float]:
     return [finite(item) for item in _must(isinstance(value, list), value, "a list of numbers")]
 
 
+def peaks(value: Any) -> dict[str, float]:
+    """Numbers by name; a measure may have given any."""
+    fits = isinstance(value, dict) and all(type(number) in (int, float) for number in value.values())
+    return _must(fits, value, "a record of numbers")
+
+
 def record(value: Any) -> dict[str, Any]:
     """Facts by name."""
     return _must(isinstance(value, dict), value, "a record")
