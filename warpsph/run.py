@@ -7,7 +7,6 @@ from . import footprint, origin
 from . import frames as drawn
 from .errors import InputError
 from .guards import Action
-from .info import read_summary
 from .job import Job
 from .messages import files, restarts, stops
 from .progress import Progress
@@ -134,9 +133,8 @@ def resume(
     with listening() as stop, lock.held(out, progress.message):
         folder.tidy(out)
         source = out / "scene.py"
-        found = checkpoint.load_newest(out)
+        found = origin.checked(checkpoint.load_newest(out))
         info = found.info
-        origin.check(found)
         if checkpoint.digest(source) != info["scene_sha256"]:
             raise restarts.scene_changed(source)
         end = info["until"] if until is None else until
@@ -167,7 +165,7 @@ def resume(
 def _summary_of_the_end(out: Path) -> dict[str, Any] | None:
     """The summary of a run that is done; None if it was ended before it was written, or it cannot be read."""
     try:
-        summary = read_summary(out / summaries.NAME)
+        summary = summaries.read(out / summaries.NAME)
     except InputError:
         return None
     return summary if summary.get("outcome") == "done" else None
