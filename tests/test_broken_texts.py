@@ -90,9 +90,24 @@ def test_odd_scene_files(tmp_path, monkeypatch):
         library.load(path)
 
 
+CASE = {
+    "value": float("inf"),
+    "particle": 1,
+    "body": "a",
+    "material": "b",
+    "position": [0.0],
+    "time": 1.0,
+    "step": 64,
+}
+FOUND = {"limit": 0.0, "looks": 1, "particles": 2, "first": CASE, "action": "warn", "worst": CASE}
 FACTS = {
     "time": 1.0, "frames": True, "until": 2.0, "row_time": 1.0, "device": "cpu", "precision": "float64", "device_name": "", "version": "", "warp": "",
-    "solver": {}, "balance": {}, "parameters": {},
+    "parameters": {}, "scene_sha256": "",
+    "solver": {
+        "precision": "float64", "cuda": False, "batch": 32, "builds": 1, "tile_width": 0.1,
+        "watch": {"guards": {}, "start": None, "found": {"density": FOUND}},
+    },
+    "balance": {"start": {"work": 0.0}, "energy_error": float("inf"), "momentum_error": 0, "angular_momentum_error": 0.0, "kinetic": 1.0},
 }  # fmt: skip
 JOB = {
     "interval": 0.5, "row_interval": 0.01, "ends": [2.0], "due": 3, "next_snapshot": 3, "next_row": 1.0, "neighbours": [3.0],
@@ -109,16 +124,23 @@ JOB = {
         ({}, {"next_row": -1.0}, "next_row is not a number that is not negative"),
         ({}, {"interval": 5e-324}, "outputs have no end"),
         ({}, {"neighbours": ["1"]}, "neighbours is not a finite number"),
-        ({}, {"peaks": {"pressure": "1"}}, "peaks is not a record of numbers"),
+        (
+            {"balance": {"start": {}}},
+            {},
+            "energy_error, momentum_error, angular_momentum_error, kinetic is missing",
+        ),
+        ({"solver": {"precision": "float64", "cuda": 0}}, {}, "batch, builds, tile_width, watch is missing"),
+        ({}, {"peaks": {"pressure": "1"}}, "peaks is not a number"),
     ],
 )
 def test_a_run_goes_on_from_sound_facts_only(tmp_path, change, job, message):
     def check(change, job):
-        origin.check(
+        return origin.checked(
             checkpoint.Found({}, FACTS | {"job": JOB | job} | change, tmp_path / "checkpoint.h5", [])
         )
 
-    check({}, {})
+    assert check({}, {}).info == FACTS | {"job": JOB}
+    assert check({}, {"finish": 1}).info == FACTS | {"job": JOB}, "what no job has is left out"
     with pytest.raises(InputError, match=rf"checkpoint\.h5 is damaged .*{message}"):
         check(change, job)
 

@@ -10,7 +10,7 @@ import pytest
 from test_repeat import SCENE
 from tools import collision
 
-from warpsph import __version__, info
+from warpsph import __version__, info, origin
 from warpsph.errors import InputError
 from warpsph.library import load
 from warpsph.quality.torture import restart
@@ -86,6 +86,13 @@ def test_a_checkpoint_says_where_it_is_from(halfway):
     lines = info.describe(halfway).splitlines()[-2:]
     assert [line.split(":")[0] for line in lines] == [NEWEST, PREVIOUS]
     assert f"step {facts['step']}" in lines[0]
+
+
+def test_all_that_a_run_keeps_is_checked(halfway):
+    found = checkpoint.load_newest(halfway)
+    checked = origin.checked(found)
+    assert checked.info.keys() <= found.info.keys() and checked.arrays is found.arrays
+    assert all(checked.info[name] == found.info[name] for name in checked.info)
 
 
 def test_the_newest_two_are_kept(tmp_path):

@@ -93,17 +93,19 @@ class Job:
             InputError: If the checkpoint, the history or a snapshot before it cannot be read.
             DiskError: If a file cannot be written.
         """
-        info, peaks = found.info, set(self.peaks)
+        info, self.balance = found.info, Balance(self.data, self.solver.ledger())
+        if (
+            info["job"]["peaks"].keys() != self.peaks.keys()
+            or info["balance"]["start"].keys() != self.balance.start.keys()
+        ):
+            raise LookupError("its peaks or its ledger are not those of the scene")
         self._times = snapshot.times(self.out, info["job"]["next_snapshot"])
-        self.balance = Balance(self.data, self.solver.ledger())
         self.solver.restore(found.arrays, info["solver"])
         self.balance.restore(info["balance"])
         self.history = History.reopen(self.out / "history.csv", info["row_time"])
         checkpoint.go_on_from(found.path)
         for name in origin.KEPT:
             setattr(self, name, info["job"][name])
-        if set(self.peaks) != peaks:
-            raise LookupError("its peaks are not those of the scene's measures")
         self.ends = sorted({*self.ends, self.until})
         self._row_time = info["row_time"]
         said = found.remarks + origin.differences(info, origin.header(self.solver, self.out))

@@ -35,8 +35,8 @@ FACTS = {
     "spacing": facts.positive,
     "h": facts.positive,
     "scene": facts.text,
-    "bodies": facts.texts,
-    "materials": facts.texts,
+    "bodies": facts.many(facts.text),
+    "materials": facts.many(facts.text),
 }
 """What is said about a snapshot, by the names of `State`, and what it has to be."""
 
