@@ -219,6 +219,18 @@ def test_a_run_that_is_asked_to_stop_on_a_full_disk_says_both(start, out, number
     assert resume(out)["outcome"] == "done" and len(snapshot.find(out)) == 7
 
 
+def test_a_measure_that_fails_ends_the_run_in_good_order(start, out, monkeypatch):
+    monkeypatch.setitem(globals(), "SCENE", SCENE.replace("state.p.max()", "1 / (state.time < 1.2e-6)"))
+    (out.parent / "balls.py").write_text(SCENE)
+    with pytest.raises(
+        RunError, match=r"measure 'peak_pressure' failed at t = 1\.[2-5].* s: ZeroDivisionError: .*scene"
+    ) as stopped:
+        start()
+    last = snapshot.find(out)[-1]
+    assert str(stopped.value).endswith(f"; last snapshot: {last}") and snapshot.time(last) > 1.2e-6
+    assert outcome(out) == "failed" and "peak_pressure" in warnings(out)[0]
+
+
 def test_a_run_that_stops_at_an_output_has_written_it_already(start, out):
     with pytest.raises(Ended):
         start(time=1.5e-6, action=lambda: signal.raise_signal(signal.SIGTERM))

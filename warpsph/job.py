@@ -224,10 +224,21 @@ class Job:
             self.next_row += self.row_interval
 
     def _measures(self) -> dict[str, float]:
+        """The scene's measures of the present state.
+
+        Raises:
+            RunError: If one of them fails; names it.
+        """
         if not self.data.measures:
             return {}
-        state = self.solver.glance()
-        found = {name: float(measure.function(state)) for name, measure in self.data.measures.items()}
+        state, found = self.solver.glance(), {}
+        for name, measure in self.data.measures.items():
+            try:
+                found[name] = float(measure.function(state))
+            except (MemoryError, RunError):
+                raise
+            except Exception as error:  # code of the scene
+                raise stops.measure_failed(name, self.solver.reading.time, error) from error
         for name, highest in self.peaks.items():
             found[name] = self.peaks[name] = max(highest, found[name])
         return found
@@ -301,6 +312,9 @@ class Job:
         with contextlib.suppress(RunError):  # rows that outgrew memory are not counted
             counts.append(self.solver.mean_neighbours())
         neighbours = sum(counts) / len(counts)
+        measures = {}
+        with contextlib.suppress(RunError):  # one that fails has ended the run
+            measures = self._measures()
         per_step = 1e9 * self.step_wall / (n * steps)
         clipped = int(ledger["eos_clipped"])
         warnings = [*self.warnings, *self.solver.watch.warnings()]
@@ -317,7 +331,7 @@ class Job:
             "neighbour_builds": self.solver.neighbours.builds,
             "energy_error": self.balance.energy_error, "momentum_error": self.balance.momentum_error,
             "angular_momentum_error": self.balance.angular_momentum_error,
-            **self.solver.tally(), "guards": self.solver.watch.report(), "measures": self._measures(), "warnings": warnings, "version": __version__,
+            **self.solver.tally(), "guards": self.solver.watch.report(), "measures": measures, "warnings": warnings, "version": __version__,
         }  # fmt: skip
 
 
