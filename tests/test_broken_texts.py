@@ -1,5 +1,7 @@
 """Texts, facts and numbers that are read back: what is odd is refused in one line, or shown as it is."""
 
+import contextlib
+import copy
 import json
 import os
 
@@ -11,6 +13,7 @@ from tools import body, jittered
 from warpsph import blocks, info, library, origin, plot, scalars
 from warpsph.drawing import look
 from warpsph.errors import InputError
+from warpsph.quality.torture.mutations import ODD
 from warpsph.storage import checkpoint, history, text
 
 
@@ -143,6 +146,33 @@ def test_a_run_goes_on_from_sound_facts_only(tmp_path, change, job, message):
     assert check({}, {"finish": 1}).info == FACTS | {"job": JOB}, "what no job has is left out"
     with pytest.raises(InputError, match=rf"checkpoint\.h5 is damaged .*{message}"):
         check(change, job)
+
+
+def places(facts, above=()):
+    """Where each fact of a checkpoint is, those within others too."""
+    for name, value in facts.items():
+        yield (*above, name)
+        if isinstance(value, dict):
+            yield from places(value, (*above, name))
+
+
+def test_whatever_is_odd_in_a_checkpoint_is_refused_or_makes_sense(tmp_path):
+    """Each fact in turn takes each odd value, and is missing."""
+    whole = FACTS | {"job": JOB}
+    for *above, name in places(whole):
+        for odd in (*ODD, None):
+            info = inner = copy.deepcopy(whole)
+            for key in above:
+                inner = inner[key]
+            del inner[name]
+            if odd is not None:
+                inner[name] = odd
+            with contextlib.suppress(InputError):
+                checked = origin.checked(checkpoint.Found({}, info, tmp_path, [])).info
+                assert {type(checked[key]) for key in ("time", "until", "row_time")} == {float}
+                assert [checked[key].keys() for key in ("job", "solver", "balance")] == [
+                    whole[key].keys() for key in ("job", "solver", "balance")
+                ]
 
 
 def test_arrays_of_a_checkpoint_fit_the_run():
