@@ -301,6 +301,8 @@ def test_frames_that_cannot_be_drawn_do_not_make_a_run_fail(start, out, monkeypa
     monkeypatch.setattr("warpsph.render.render", render)
     start(frames=True)
     assert outcome(out) == "done" and warnings(out) == ["no frames: no particle has a finite position"]
+    resume(out)
+    assert len(warnings(out)) == 1
 
 
 def test_other_threads_take_no_signals(start, out):

@@ -40,8 +40,10 @@ def draw(out: Path, summary: dict[str, Any], deadline: Deadline) -> None:
     except DiskError as error:
         raise output.no_frames(error, out) from error
     except (RunError, InputError) as error:
-        summary["warnings"].append(f"no frames: {error}")
-        summaries.write(out, summary)
+        line = f"no frames: {error}"
+        if line not in summary["warnings"]:  # of a run that was done before
+            summary["warnings"].append(line)
+            summaries.write(out, summary)
 
 
 def _watch(deadline: Deadline) -> Callable[[], None]:

@@ -96,7 +96,7 @@ def save_newest(folder: Path, arrays: dict[str, np.ndarray], info: dict) -> None
     The new file is whole on the disk before either is renamed: at any instant one of the two names is a whole checkpoint.
 
     Raises:
-        RunError: If it cannot be written; the older ones are there.
+        DiskError: If it cannot be written; the older ones are there.
     """
     save(folder / NEWEST, arrays, info, keep=folder / PREVIOUS)
 
@@ -124,7 +124,7 @@ def go_on_from(path: Path) -> None:
     Where this is the previous one, a newest one that is there gets a name of its own.
 
     Raises:
-        RunError: If it cannot be renamed.
+        DiskError: If it cannot be renamed.
     """
     newest = path.with_name(NEWEST)
     if path.name == PREVIOUS and newest.is_file():
