@@ -25,7 +25,6 @@ VISCOUS_SHARE = 0.6
 CONTACT_CFL = 0.5
 """Coefficient of the contact limit 1/sqrt(stiffness/mass): two particles at it turn by 0.7 of a radian a step."""
 
-
 LEAP = 1.0
 """Largest distance in h by which two particles, or one and an image, come nearer to each other in a step."""
 
