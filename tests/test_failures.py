@@ -69,7 +69,9 @@ def test_a_collapsing_time_step_stops_the_run(solver):
 
 def test_a_particle_too_fast_for_any_step_stops_the_run(solver):
     poke(solver, 3, "v", (0.0, -1e13, 0.0))
-    with pytest.raises(RunError, match=r"particle 3 of body 'left' .*collapsed to 1.2e-16 s .*speed 1e\+13 m/s"):
+    with pytest.raises(
+        RunError, match=r"particle 3 of body 'left' .*collapsed to 1.2e-16 s .*speed 1e\+13 m/s"
+    ):
         solver.advance(4 * MICRO)
 
 
