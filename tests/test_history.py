@@ -61,7 +61,7 @@ def test_wrong_number_of_values(tmp_path):
 
 
 def test_column_twice(tmp_path):
-    with pytest.raises(InputError, match="'step' is there twice"):
+    with pytest.raises(InputError, match="column 'step' does not go with another of that name"):
         History(tmp_path / "history.csv", [*COLUMNS, ("step", "1")])
     assert not list(tmp_path.iterdir())
 

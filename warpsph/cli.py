@@ -16,7 +16,7 @@ from . import __version__, exhaustion, library, streams
 from . import walltime as wall
 from .errors import DiskError, Ended, InputError, RunError
 from .library import SceneFile
-from .messages import files
+from .messages import machine, output, scripts, values
 from .messages.values import printable
 from .progress import Progress, quiet_warp
 from .signals import listening
@@ -76,7 +76,7 @@ def _exit_code(make: Callable[[], App], tokens: list[str]) -> int:
     code = _attempt(make, tokens)
     lost = streams.empty()
     if lost is not None and not code:
-        code = _complain(files.unwritten("standard output", lost), DISK)
+        code = _complain(output.unwritten("standard output", lost), DISK)
         streams.empty()
     return code
 
@@ -95,7 +95,7 @@ def _attempt(make: Callable[[], App], tokens: list[str]) -> int:
     except BrokenPipeError:  # whoever read the output has left
         return 0
     except OSError as error:
-        return _complain(files.unwritten(error.filename or "standard output", error), DISK)
+        return _complain(output.unwritten(error.filename or "standard output", error), DISK)
     except DiskError as error:
         return _complain(error, DISK)
     except RunError as error:
@@ -156,9 +156,7 @@ def _run_command(file: SceneFile | None, *, script: bool = False) -> Callable:
     group = Group("Parameters of the scene", sort_key=1)
     for p in file.parameters.values() if file else ():
         if p.name in reserved:
-            raise InputError(
-                f"{file.path}: parameter {p.name!r} of build() is an option of `warpsph run`; rename it"
-            )
+            raise scripts.reserved(file.path, p.name)
         hint = Annotated[p.annotation, Parameter(help=p.help, group=group)]
         entries.append(inspect.Parameter(p.name, KEYWORD, default=p.default, annotation=hint))
 
@@ -462,7 +460,7 @@ def _check_device(device: str, said: str) -> None:
     try:
         find_device(device)
     except InputError as error:
-        raise InputError(f"{error} ({said})" if said else str(error)) from None
+        raise machine.no_device(error, said) from None
 
 
 def _check_limits(until: float | None, threads: int | None) -> None:
@@ -472,9 +470,9 @@ def _check_limits(until: float | None, threads: int | None) -> None:
         InputError: Naming the option, its value and what is allowed.
     """
     if until is not None and not 0.0 < until < math.inf:
-        raise InputError(f"--until {until:g} is not allowed; allowed: a positive time [s]")
+        raise values.refuse("--until", until, "a positive time [s]")
     if threads is not None and threads < 1:
-        raise InputError(f"--threads {threads} is not allowed; allowed: 1 or more")
+        raise values.outside("--threads", threads, "1 or more")
 
 
 def _limit(walltime: str | None) -> float | None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import warp as wp
 
 from .launch import count_cores
-from .messages import files
+from .messages import output
 
 PER_THREAD = 4
 """Modules that a thread has to compile to be worth it: it makes a precompiled header first, in the time of some six."""
@@ -56,7 +56,7 @@ def _check_room(modules: Sequence[wp.Module], device: wp.Device) -> None:
         block = 1 if device.is_cpu else None  # a CPU's code is for blocks of one thread
         lacking = [module for module in modules if not (cache / module.get_module_identifier(block)).is_dir()]
         if free < PER_MODULE * len(lacking):
-            raise files.full_cache(cache, PER_MODULE * len(lacking), free)
+            raise output.full_cache(cache, PER_MODULE * len(lacking), free)
 
 
 def _within(value: object) -> Iterator[wp.Kernel]:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from warp.types import type_size_in_bytes
 
 from .fields import CONSTANT, of_groups
-from .messages import files
+from .messages import output
 from .storage import folder
 
 if TYPE_CHECKING:
@@ -39,9 +39,9 @@ def check(out: Path, solver: "Solver", snapshots: int) -> str | None:
         return None
     one, checkpoint = snapshot_size(solver.particles), checkpoint_size(solver)
     if one + checkpoint > free:
-        raise files.too_small(out, one + checkpoint, free)
+        raise output.too_small(out, one + checkpoint, free)
     whole = snapshots * one + CHECKPOINTS * checkpoint
-    return files.tight(out, whole, free) if whole > free else None
+    return output.tight(out, whole, free) if whole > free else None
 
 
 def checkpoint_size(solver: "Solver") -> int:

@@ -6,7 +6,7 @@ from typing import Any
 
 from . import exhaustion
 from .errors import DiskError, Ended, RunError
-from .messages import files, stops
+from .messages import output, stops
 from .storage import snapshot
 from .storage import summary as summaries
 from .walltime import Deadline
@@ -37,7 +37,7 @@ def draw(out: Path, summary: dict[str, Any], deadline: Deadline) -> None:
     except Ended as ended:
         raise stops.undrawn(ended, out) from None
     except DiskError as error:
-        raise files.no_frames(error, out) from error
+        raise output.no_frames(error, out) from error
     except RunError as error:
         summary["warnings"].append(f"no frames: {error}")
         summaries.write(out, summary)

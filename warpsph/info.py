@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .errors import InputError
+from .messages import files
 from .messages.values import printable
 from .progress import clock, si
 from .storage import folder, text
@@ -41,7 +42,7 @@ def describe(path: Path) -> str:
 
     path = Path(path)
     if not path.exists():
-        raise InputError(f"{path} does not exist; allowed: a run folder or a .vtkhdf snapshot")
+        raise files.no_run(path)
     if path.is_file() and path.suffix == ".json":
         return describe_summary(read_summary(path))
     if path.is_file() and path.suffix == ".h5":
@@ -59,9 +60,7 @@ def _describe_folder(path: Path) -> str:
         return describe_summary(read_summary(path / "summary.json"))
     found = snapshot.find(path)
     if not found:
-        raise InputError(
-            f"{path} holds neither summary.json nor snapshots; allowed: a run folder or a .vtkhdf snapshot"
-        )
+        raise files.empty_run(path)
     return describe_state(snapshot.read(found[-1]))
 
 
@@ -78,9 +77,9 @@ def read_summary(path: Path) -> dict[str, Any]:
             raise RecursionError
     except (ValueError, RecursionError) as error:
         reason = f"({error})" if isinstance(error, ValueError) else f"(nested more than {DEEPEST} deep)"
-        raise InputError(f"{path} cannot be read as a summary {reason}") from None
+        raise files.no_summary(path, f"cannot be read as a summary {reason}") from None
     if not isinstance(summary, dict) or not isinstance(summary.get("warnings", []), list):
-        raise InputError(f"{path} is no summary of a run; expected a JSON object, with a list of warnings")
+        raise files.no_summary(path, "is no summary: no JSON object with a list of warnings")
     return summary
 
 

@@ -16,7 +16,7 @@ from .balance import Balance, energy
 from .clock import Reading
 from .errors import DiskError, Ended, RunError
 from .kernels.parts import PARTS
-from .messages import files, remarks, stops
+from .messages import output, remarks, stops
 from .progress import Progress
 from .scene import SceneData
 from .signals import Stop
@@ -154,7 +154,7 @@ class Job:
         except OSError:
             last, goes_on = None, False
         if isinstance(error, DiskError):
-            return files.stopped(error, last, self.out, goes_on)
+            return output.stopped(error, last, self.out, goes_on)
         return stops.stopped(error, lost, last)
 
     def _must_end(self) -> bool:

@@ -12,7 +12,7 @@ from .kernels.parts import Parts, part_types
 from .kernels.sort import make_sort
 from .kernels.spec import Spec
 from .launch import Launcher
-from .messages import files
+from .messages import restarts
 from .scene import SceneData
 from .state import InOrder, State
 
@@ -117,7 +117,7 @@ class Particles:
         ends = {"body": len(self._data.bodies), "mat": len(self._data.materials), "kernel_type": ERODED + 1}
         sound = [0 <= arrays[name].min() <= arrays[name].max() < end for name, end in ends.items()]
         if not all(sound) or not np.array_equal(np.sort(arrays["id"]), np.arange(self.n)):
-            raise files.wrong_numbers(["id", *ends])
+            raise restarts.wrong_numbers(["id", *ends])
 
     def state(self, time: float, step: int, host: Callable[[str], np.ndarray] | None = None) -> State:
         """Copy the output fields to the host, in id order.

@@ -9,7 +9,6 @@ import numpy as np
 
 from . import units
 from .drawing.furniture import as_written
-from .errors import InputError
 from .messages import files, values
 from .storage import atomic, history
 
@@ -56,7 +55,7 @@ def plot(folder: Path, output: Path | None = None) -> Path:
         raise values.refuse("output", str(path), f"a name that ends in {', '.join(FORMATS)}")
     names, column_units, columns = history.read(Path(folder) / "history.csv")
     if not len(columns["time"]):
-        raise InputError(f"{Path(folder) / 'history.csv'} has no rows yet; nothing can be plotted")
+        raise files.no_rows(Path(folder) / "history.csv")
     panels = group([name for name in names if name not in CLOCK], dict(zip(names, column_units, strict=True)))
     if len(panels) > MOST_PANELS:
         raise files.no_plot(Path(folder) / "history.csv", len(panels), MOST_PANELS)

@@ -9,8 +9,7 @@ import numpy as np
 from .drawing import movie as films
 from .drawing.look import Look, choose
 from .drawing.painter import Painter
-from .errors import InputError
-from .messages import values
+from .messages import files, values
 from .state import State
 from .storage import atomic, snapshot
 
@@ -57,20 +56,20 @@ def render(
         raise values.outside("every", every, "1, 2, 3, ...")
     paths = snapshot.find(folder)[::every]
     if not paths:
-        raise InputError(f"{folder} holds no snapshots (NAME_0000.vtkhdf); give the output folder of a run")
+        raise files.no_snapshots(folder)
     if movie is not None:
         films.check(movie)
     states = (snapshot.read(path) for path in paths)
     look = choose(states, field=field, view=view, range=range, cut=cut, size=size, cmap=cmap)
     output = atomic.make_folder(Path(folder) / "frames" if output is None else Path(output))
-    files = [output / f"{field}_{path.stem.rpartition('_')[2]}.png" for path in paths]
-    frames = _frames(look, paths, files, on_frame or (lambda: None))
+    pictures = [output / f"{field}_{path.stem.rpartition('_')[2]}.png" for path in paths]
+    frames = _frames(look, paths, pictures, on_frame or (lambda: None))
     if movie is None:
         for _ in frames:
             pass
-        return files
+        return pictures
     films.write(movie, frames, len(paths))
-    return [*files, Path(movie)]
+    return [*pictures, Path(movie)]
 
 
 def frame(state: State, path: Path, look: Look) -> None:

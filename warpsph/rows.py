@@ -8,10 +8,10 @@ import warp as wp
 
 from .block import Block, borrowed
 from .cells import CellList
-from .errors import RunError
 from .kernels.neighbours import NeighbourKernels
 from .launch import Launcher, Pieces
 from .memory import Policy
+from .messages import stops
 
 LENGTH = 1 << 22
 """Particles whose rows share an array: it has no more than 2^31 entries, hence 500 for each of them."""
@@ -127,8 +127,7 @@ class Rows:
             wp.utils.array_scan(room[first + k : last + k + 1], starts, inclusive=False)
             totals.append(int(starts[last - first :].numpy()[0]))
         if min(totals) < 0 or max(totals) > MOST_ENTRIES:
-            most = min(LENGTH, self._n)
-            raise RunError(f"the neighbour rows of {most} particles need more than {MOST_ENTRIES} entries")
+            raise stops.crowded(min(LENGTH, self._n), MOST_ENTRIES)
         if any(total > room for total, room in zip(totals, self._rooms, strict=True)):
             self._rooms = [min(max(int(self._policy.growth * total), 1), MOST_ENTRIES) for total in totals]
             self._block.grow(self.capacity)

@@ -5,11 +5,10 @@ from typing import Any
 
 from . import footprint
 from . import frames as drawn
-from .errors import InputError
 from .guards import Action
 from .info import read_summary
 from .job import Job
-from .messages import files, stops
+from .messages import files, restarts, stops
 from .progress import Progress
 from .scene import Scene
 from .signals import Stop, listening
@@ -155,12 +154,10 @@ def resume(
         info = found.info
         _check(found)
         if checkpoint.digest(source) != info["scene_sha256"]:
-            raise files.scene_changed(source)
+            raise restarts.scene_changed(source)
         end = info["until"] if until is None else until
         if info["time"] > end:
-            raise InputError(
-                f"until = {end:g} s is before the checkpoint's time; allowed: {info['time']:g} or more"
-            )
+            raise restarts.too_early(end, info["time"])
         frames = info["frames"] if frames is None else frames
         summary = _summary_of_the_end(out) if info["time"] == end else None
         if summary is not None:

@@ -12,7 +12,6 @@ from .clock import Clock, Reading
 from .compilation import compile_modules, kernels_of
 from .contact import contact_constants
 from .copies import fits, host_shape, make_room, to_device, to_host
-from .errors import InputError
 from .kernels.kernel_type import ERODED, EULERIAN
 from .kernels.ledger import MAXIMA, SUMS
 from .kernels.sort import make_sort
@@ -22,7 +21,7 @@ from .launch import Command, Launcher
 from .magnitudes import check_magnitudes
 from .materials import pack
 from .memory import Policy, policy_of
-from .messages import files, values
+from .messages import restarts, values
 from .need import estimate
 from .neighbours import Neighbours
 from .particles import Particles
@@ -90,7 +89,7 @@ class Solver:
                 fit into the precision.
         """
         if precision not in PRECISIONS:
-            raise InputError(f"precision {precision!r} is unknown; allowed: {', '.join(PRECISIONS)}")
+            raise values.unknown("precision", precision, PRECISIONS)
         self.data, self.precision = data, precision
         self.launcher = Launcher(device, threads)
         self._policy = policy or policy_of(self.launcher.device)
@@ -367,16 +366,12 @@ class Solver:
         """
         missing = [name for name in self.lasting() if name not in arrays]
         if missing:
-            raise InputError(
-                f"checkpoint lacks {', '.join(missing)}; allowed: one of this version of warpsph (start the run anew)"
-            )
+            raise restarts.no_arrays(missing)
         if len(arrays["id"]) != self.particles.n:
-            raise InputError(
-                f"checkpoint holds {len(arrays['id'])} particles; this scene has {self.particles.n}"
-            )
+            raise restarts.other_number(len(arrays["id"]), self.particles.n)
         for name, array in self.lasting().items():
             if not fits(array, arrays[name]):
-                raise files.wrong_array(name, arrays[name], host_shape(array))
+                raise restarts.wrong_array(name, arrays[name], host_shape(array))
         self.particles.restore(arrays)
         self._clock.clock.assign(arrays["clock"])
         self._clock.count.assign(arrays["count"])

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpsph import units
-from warpsph.errors import InputError
 from warpsph.messages import files, values
 from warpsph.scalars import KERNEL_TYPES, Scalar, scalar
 from warpsph.state import State
@@ -208,7 +207,7 @@ def _box(state: State, everything: bool) -> np.ndarray:
     bodies = [x[sound & (state.body == number)] for number in np.unique(state.body)]
     corners = np.array([np.percentile(body, (share, 100.0 - share), axis=0) for body in bodies if len(body)])
     if not len(corners):
-        raise InputError("no particle has a finite position: nothing can be drawn")
+        raise files.nowhere()
     return np.array([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])
 
 

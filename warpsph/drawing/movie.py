@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from warpsph.messages import files, machine, values
+from warpsph.messages import machine, output, values
 from warpsph.storage import atomic
 
 SECONDS = 6.0
@@ -86,7 +86,7 @@ def _encode(part: Path, frames: Iterable[np.ndarray], shape: tuple[int, ...], co
             film.communicate()
             raise
         said = film.communicate()[1].decode(errors="replace")
-    for code in files.REMEDIES:
+    for code in output.REMEDIES:
         if os.strerror(code) in said:
             raise OSError(code, os.strerror(code))
     if film.returncode:

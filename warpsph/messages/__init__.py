@@ -6,9 +6,11 @@ where, and what to do.
 - `values`: a value from a user that is not allowed;
 - `bodies`: a body of a scene that cannot be;
 - `scripts`: a scene file that cannot be used;
-- `files`: a file or folder that cannot be read or written;
-- `machine`: a device, memory or a library that is not there;
+- `files`: a file that cannot be read;
+- `output`: output that cannot be written;
+- `restarts`: a run that cannot be gone on with;
+- `remarks`: what is said of a run that goes on all the same;
 - `stops`: a run that cannot go on, or that was ended;
-- `measuring`: a benchmark that cannot be made;
-- `remarks`: what is no exception, only said, while the run goes on.
+- `machine`: a device, memory or a library that is not there;
+- `measuring`: a benchmark that cannot be made.
 """

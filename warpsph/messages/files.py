@@ -1,102 +1,13 @@
-"""Files and folders that cannot be read or written: which one, why, what to do."""
+"""Files that cannot be read: which one, why, what to give instead."""
 
-import errno
-import os
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from warpsph.errors import DiskError, InputError
+from warpsph.errors import InputError
 
-from .machine import size
 from .values import printable, shown
-
-if TYPE_CHECKING:
-    import numpy as np
 
 MESHES = "a closed surface as STL, OBJ or PLY file"
 """Files that a mesh can come from."""
-
-REMEDIES = {
-    errno.ENOSPC: "free some space",
-    errno.EDQUOT: "make room within the quota",
-    errno.EFBIG: "allow larger files (ulimit -f)",
-    errno.EROFS: "make the file system writable",
-    errno.EACCES: "allow writing there",
-    errno.EPERM: "allow writing there",
-    errno.ENOENT: "bring its folder back",
-    errno.ENOTDIR: "bring its folder back",
-    errno.EISDIR: "move the folder of that name away",
-    errno.EIO: "see to the disk",
-    errno.ESTALE: "mount the file system again",
-}
-"""What a user can do about a failure of the file system."""
-
-
-FOREIGN = (PermissionError, FileExistsError, FileNotFoundError, NotADirectoryError, IsADirectoryError)
-"""Failures that another folder on the command line would put right."""
-
-
-def no_folder(folder: Path, error: OSError) -> InputError | DiskError:
-    """An output folder cannot be made or written."""
-    if not isinstance(error, FOREIGN):
-        return unwritten(folder, error)
-    return InputError(f"output folder {folder} cannot be written: {error.strerror or error}")
-
-
-def unwritten(path: Path | str, error: OSError) -> DiskError:
-    """Output could not be written: names the file, the cause in the system's words, and what to do about it."""
-    remedy = REMEDIES.get(error.errno)
-    return DiskError(
-        f"{path} could not be written: {error.strerror or error}{_left(Path(path), error)}"
-        + (f"; {remedy}" if remedy else "")
-    )
-
-
-def stopped(error: DiskError, last: Path | None, out: Path, goes_on: bool) -> DiskError:
-    """A run stopped since output could not be written: what is there, and whether there is a checkpoint to go on from."""
-    then = f"`warpsph resume {out}` goes on" if goes_on else "start the run anew with --force"
-    return DiskError(f"{error}; last snapshot: {last or 'none'}; then {then}")
-
-
-def no_frames(error: DiskError, out: Path) -> DiskError:
-    """A run came to its end, but not its pictures."""
-    return DiskError(f"{error}; the run itself is complete; then `warpsph render {out}` draws the frames")
-
-
-def too_small(out: Path, need: float, free: float) -> InputError:
-    """Not even the first output fits on the disk."""
-    return InputError(
-        f"output folder {out} has no room: the first output takes about {size(need)}, {size(free)} are free; "
-        "allowed: a disk with more, or fewer particles"
-    )
-
-
-def tight(out: Path, need: float, free: float) -> str:
-    """The disk will be full before the run ends: a warning."""
-    return (
-        f"warning: the whole run takes about {size(need)} on the disk, {size(free)} are free in {out}; "
-        "it stops where the disk is full, and can be resumed with more"
-    )
-
-
-def full_cache(cache: Path, need: float, free: float) -> DiskError:
-    """Kernels have to be compiled, and there is no room for them."""
-    return DiskError(
-        f"kernel cache {cache} has no room: kernels to compile take up to {size(need)}, {size(free)} are free; "
-        "free some space, or name another folder with WARP_CACHE_PATH"
-    )
-
-
-def _left(path: Path, error: OSError) -> str:
-    """What is left on a full disk, in brackets: a disk with room for bytes may have none for files."""
-    if error.errno != errno.ENOSPC:
-        return ""
-    try:
-        disk = os.statvfs(path.parent)
-    except OSError:
-        return ""
-    files = ", none for another file" if disk.f_files and not disk.f_favail else ""
-    return f" ({size(disk.f_bavail * disk.f_frsize)} free{files})"
 
 
 def absent(path: Path, form: str) -> InputError:
@@ -142,18 +53,6 @@ def mesh(path: Path, reason: str) -> InputError:
     return InputError(f"mesh {path} cannot be read ({printable(reason)}); allowed: {MESHES}")
 
 
-def wrong_array(name: str, array: "np.ndarray", shape: tuple[int, ...]) -> InputError:
-    """An array of a checkpoint that the run cannot use."""
-    return InputError(
-        f"checkpoint holds {name} as {array.dtype} of shape {array.shape}; this run needs shape {shape}"
-    )
-
-
-def wrong_numbers(names: list[str]) -> InputError:
-    """Numbers of bodies, materials and the like in a checkpoint that stand for nothing in the scene."""
-    return InputError(f"checkpoint holds numbers in {', '.join(names)} that stand for nothing in this scene")
-
-
 def no_plot(path: Path, panels: int, most: int) -> InputError:
     """A history with more quantities than a plot can hold."""
     return InputError(f"{path} has {panels} quantities; a plot holds up to {most}")
@@ -166,41 +65,43 @@ def crowd(particles: int, extent: float, spacing: float) -> InputError:
     )
 
 
-def no_checkpoint(folder: Path, name: str) -> InputError:
-    """A folder holds nothing that a run could go on from."""
+def no_run(path: Path) -> InputError:
+    """There is nothing to describe at a path."""
+    return InputError(f"{path} does not exist; allowed: a run folder or a .vtkhdf snapshot")
+
+
+def empty_run(path: Path) -> InputError:
+    """A folder holds nothing to describe."""
     return InputError(
-        f"{folder} cannot be resumed: {name} is missing; it is no run, or one that ended before its first output: "
-        f"start it with `warpsph run SCENE --out {folder} --force`"
+        f"{path} holds neither summary.json nor snapshots; allowed: a run folder or a .vtkhdf snapshot"
     )
 
 
-def no_whole_checkpoint(causes: list[str]) -> InputError:
-    """Every checkpoint that there is cannot be read; ``causes`` names each."""
-    return InputError(f"{'; '.join(causes)}; there is no other to go on from: start the run anew")
+def no_snapshots(folder: Path) -> InputError:
+    """A folder holds nothing to draw."""
+    return InputError(f"{folder} holds no snapshots (NAME_0000.vtkhdf); give the output folder of a run")
 
 
-def scene_changed(path: Path) -> InputError:
-    """The scene is not the one that a checkpoint is of."""
-    return InputError(
-        f"{path} was changed since the checkpoint; put the old text back, or start a new run of it: "
-        f"warpsph run {path} --out FOLDER"
-    )
+def no_summary(path: Path, why: str) -> InputError:
+    """A file is no summary of a run; ``why`` goes on from its name."""
+    return InputError(f"{path} {why}; allowed: the summary.json of a run")
 
 
-def in_use(folder: Path, holder: dict, file: Path | None = None) -> InputError:
-    """Another run writes into a folder; ``file`` is its lock if nothing else can tell whether it still does."""
-    advice = "wait for it, end it, or use another --out"
-    advice += f"; if it is over, remove {file}" if file else ""
-    return InputError(f"output folder {folder} is in use by {who(holder)}; {advice}")
+def no_history(path: Path) -> InputError:
+    """A file is no history of a run."""
+    return InputError(f"{path} is no history: its first line must name columns like 'time [s]'")
 
 
-def stale_lock(folder: Path, holder: dict) -> str:
-    """A lock was left behind, and is taken over."""
-    return f"{folder}: {who(holder)}, ended without a word; its lock is taken over"
+def torn_history(path: Path, line: int, columns: int) -> InputError:
+    """A line of a history is not one of its rows."""
+    return InputError(f"{path} is damaged: line {line} is not a row of {columns} numbers")
 
 
-def who(holder: dict) -> str:
-    """The process that a lock file names."""
-    if not {"host", "pid", "since"} <= set(holder):
-        return "another process"
-    return f"process {holder['pid']} on {holder['host']}, there since {holder['since']}"
+def no_rows(path: Path) -> InputError:
+    """A history has only begun."""
+    return InputError(f"{path} has no rows yet; nothing can be plotted")
+
+
+def nowhere() -> InputError:
+    """A snapshot without a particle that is somewhere."""
+    return InputError("no particle has a finite position: nothing can be drawn; allowed: another snapshot")

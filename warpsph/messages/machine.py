@@ -77,6 +77,11 @@ def size(count: float) -> str:
     return f"{count:.3g} {PREFIXES[power]}B"
 
 
+def no_device(error: InputError, said: str) -> InputError:
+    """A device is not there; ``said``: what Warp said about the drivers, if anything."""
+    return InputError(f"{error} ({said})" if said else str(error))
+
+
 def no_package(what: str, package: str, extra: str) -> InputError:
     """Something needs a package that is not installed."""
     return InputError(f'{what} needs the package {package}; install it with: pip install "warpsph[{extra}]"')

@@ -51,6 +51,14 @@ def turned_over(culprit: "Culprit", smallest: float) -> RunError:
     )
 
 
+def crowded(particles: int, most: int) -> RunError:
+    """Neighbour rows can no longer be numbered: particles lie on top of each other."""
+    return RunError(
+        f"the neighbour rows of {particles} particles need more than {most} entries; look at the last snapshot for where "
+        "they crowd"
+    )
+
+
 def guarded(culprit: "Culprit", guard: str, value: float, limit: float, particles: int) -> RunError:
     """A guard that ends the run has found something."""
     return _stopped(culprit, trouble(guard, value, limit, particles), GO_ON)

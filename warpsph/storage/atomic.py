@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
-from warpsph.messages import files
+from warpsph.messages import output
 
 
 def write(path: Path, content: bytes | memoryview) -> None:
@@ -84,4 +84,4 @@ def naming(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise files.unwritten(path, error) from error
+        raise output.unwritten(path, error) from error

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from warpsph.errors import InputError
-from warpsph.messages import files, remarks
+from warpsph.messages import remarks, restarts
 
 from . import atomic, hdf5
 from .facts import check, finite, natural
@@ -110,7 +110,7 @@ def load_newest(folder: Path) -> Found:
             causes.append(str(error))
             continue
         return Found(arrays, info, path, [remarks.older_checkpoint(c, path, info["time"]) for c in causes])
-    raise files.no_whole_checkpoint(causes) if causes else files.no_checkpoint(folder, NEWEST)
+    raise restarts.no_whole_checkpoint(causes) if causes else restarts.no_checkpoint(folder, NEWEST)
 
 
 def go_on_from(path: Path) -> None:

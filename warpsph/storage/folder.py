@@ -4,8 +4,7 @@ import os
 import shutil
 from pathlib import Path
 
-from warpsph.errors import InputError
-from warpsph.messages import files
+from warpsph.messages import output, restarts
 
 from . import lock
 
@@ -29,15 +28,13 @@ def check(out: Path, force: bool) -> None:
     """
     parent = next(folder for folder in (out, *out.absolute().parents) if folder.exists())
     if not parent.is_dir():
-        raise InputError(f"output folder {out} cannot be made: {parent} is a file")
+        raise output.in_the_way(out, parent)
     if not os.access(parent, os.W_OK | os.X_OK):
-        raise InputError(f"output folder {out} cannot be written: no permission in {parent}")
+        raise output.no_permission(out, parent)
     if parent == out and not force and any(path.name != lock.NAME for path in out.iterdir()):
         if holder := lock.holder(out):
-            raise files.in_use(out, holder)
-        raise InputError(
-            f"output folder {out} is not empty; use --force, another --out, or `warpsph resume {out}`"
-        )
+            raise output.in_use(out, holder)
+        raise output.not_empty(out)
 
 
 def free(out: Path) -> int | None:
@@ -72,7 +69,7 @@ def prepare(out: Path, force: bool) -> None:
                 (out / name).unlink(missing_ok=True)
         (out / "snapshots").mkdir()
     except OSError as error:
-        raise files.no_folder(out, error) from error
+        raise output.no_folder(out, error) from error
 
 
 def tidy(out: Path) -> None:
@@ -92,7 +89,7 @@ def check_run(out: Path) -> None:
     missing += [] if (out / "scene.py").is_file() else ["scene.py"]
     if missing:
         holder = lock.holder(out)
-        raise files.in_use(out, holder) if holder else files.no_checkpoint(out, missing[0])
+        raise output.in_use(out, holder) if holder else restarts.no_checkpoint(out, missing[0])
 
 
 def checkpoints(out: Path) -> list[Path]:

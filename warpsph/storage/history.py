@@ -12,8 +12,7 @@ from typing import Self
 
 import numpy as np
 
-from warpsph.errors import InputError
-from warpsph.messages import files
+from warpsph.messages import files, values
 
 from . import atomic, text
 
@@ -47,7 +46,7 @@ class History:
         names = [name for name, _ in self.columns]
         for name in names:
             if names.count(name) > 1:
-                raise InputError(f"history column {name!r} is there twice; names must differ")
+                raise values.clash(f"history column {name!r}", "another of that name", "names that differ")
         self._start([])
 
     @classmethod
@@ -161,10 +160,10 @@ def _parse(path: Path) -> tuple[list[tuple[str, str]], list[list[str]]]:
     matches = [re.fullmatch(r"(.+) \[(.*)\]", cell) for cell in header]
     names = [match[1] for match in matches if match and match[1].isprintable() and match[2].isprintable()]
     if len(set(names)) < len(header) or names[:1] != ["time"]:
-        raise InputError(f"{path} is no history: its first line must name columns like 'time [s]'")
+        raise files.no_history(path)
     for number, row in enumerate(rows, start=2):
         if len(row) != len(header) or not all(map(_is_number, row)):
-            raise InputError(f"{path} is damaged: line {number} is not a row of {len(header)} numbers")
+            raise files.torn_history(path, number, len(header))
     return [(match[1], match[2]) for match in matches], rows
 
 

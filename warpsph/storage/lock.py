@@ -12,7 +12,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import TextIO
 
-from warpsph.messages import files
+from warpsph.messages import output
 
 NAME = "run.lock"
 """The file: JSON of ``host``, ``pid`` and ``since`` of the process that writes into the folder."""
@@ -43,7 +43,7 @@ def held(folder: Path, tell: Callable[[str], None]) -> Iterator[None]:
         _make(path.parent, made)
         file = _take(path, tell) if _has_locks(path.parent) else _take_by_name(path, tell)
     except OSError as error:
-        raise files.no_folder(folder, error) from error
+        raise output.no_folder(folder, error) from error
     try:
         yield
     finally:
@@ -73,12 +73,12 @@ def _take(path: Path, tell: Callable[[str], None]) -> TextIO:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             file.close()
-            raise files.in_use(path.parent, _signature(path)) from None
+            raise output.in_use(path.parent, _signature(path)) from None
         if _is_in_place(file, path):
             break
         file.close()
     if left := _read(path):
-        tell(files.stale_lock(path.parent, left))
+        tell(output.stale_lock(path.parent, left))
     file.truncate(0)
     _sign(file)
     return file
@@ -92,8 +92,8 @@ def _take_by_name(path: Path, tell: Callable[[str], None]) -> TextIO:
         except FileExistsError:
             found = _read(path)
             if last or _may_live(found):
-                raise files.in_use(path.parent, found, path) from None
-            tell(files.stale_lock(path.parent, found))
+                raise output.in_use(path.parent, found, path) from None
+            tell(output.stale_lock(path.parent, found))
             path.unlink(missing_ok=True)
         else:
             _sign(file)
