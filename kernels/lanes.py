@@ -1,7 +1,8 @@
 """What a pair loop needs so that a CPU's compiler can handle several pairs at once, in the lanes of its vector registers.
 
 Such a loop counts up in a ``while`` (Warp's ``range`` may count down, and asks every time around), has no ``continue`` and
-stores nothing; it adds up scalars, and keeps a maximum by `raised`, a minimum by `lowered`. It reads its neighbours by
+stores nothing; it adds up scalars, and keeps a maximum by `raised`, a minimum by `lowered`, and either of numbers of any
+sign by their `rank`. It reads its neighbours by
 `make_reads`. What lies beyond the support is not left out but counts nothing, with W = W' = 0: a branch costs more than the
 work it saves, except on a GPU (`worth`).
 Its module is built with ``s.module(..., lanes=True)``, which lets the compiler add in another order: the same in every run.
@@ -26,6 +27,8 @@ class Lanes(NamedTuple):
     worth: wp.Function
     raised: wp.Function
     lowered: wp.Function
+    rank: wp.Function
+    ranked: wp.Function
     finite: wp.Function
     value: wp.Function
     row_end: wp.Function
@@ -81,6 +84,7 @@ def make_lanes(s: Spec) -> Lanes:
     real, lanes = s.real, s.lanes
     Bits = wp.int32 if real is wp.float32 else wp.int64
     exponent = wp.constant(Bits(0xFF << 23 if real is wp.float32 else 0x7FF << 52))
+    below_sign = wp.constant(Bits(2**31 - 1 if real is wp.float32 else 2**63 - 1))
 
     if lanes == 1:
 
@@ -109,6 +113,17 @@ def make_lanes(s: Spec) -> Lanes:
         return wp.where(other < bottom, other, bottom)
 
     @wp.func
+    def rank(a: real):
+        """A whole number that is smaller where the number is, negative ones too: those have their bits turned around."""
+        bits = wp.cast(a, Bits)
+        return wp.where(bits < Bits(0), bits ^ below_sign, bits)
+
+    @wp.func
+    def ranked(place: Bits):
+        """The number of this rank."""
+        return wp.cast(wp.where(place < Bits(0), place ^ below_sign, place), real)
+
+    @wp.func
     def finite(a: real):
         """Whether a number is finite, by its exponent: neither infinite nor NaN."""
         return (wp.cast(a, Bits) & exponent) != exponent
@@ -123,4 +138,4 @@ def make_lanes(s: Spec) -> Lanes:
         """One past the last entry of a row of n neighbours, filled up to a multiple of the lanes."""
         return first + (n + wp.static(lanes - 1)) / wp.static(lanes) * wp.static(lanes)
 
-    return Lanes(worth, raised, lowered, finite, value, row_end, Bits)
+    return Lanes(worth, raised, lowered, rank, ranked, finite, value, row_end, Bits)

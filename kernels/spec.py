@@ -79,8 +79,6 @@ class Spec:
         if lanes and self.lanes > 1:
             flags = wp.config.cpu_compiler_flags or "-march=native"
             wp.get_module(name).options["cpu_compiler_flags"] = f"{flags} {LANE_FLAGS}"
-        if tables:
-            wp.get_module(name).options["tables"] = (
-                tables  # every option is in the hash by which Warp keeps modules
-            )
+        if tables:  # every option is in the hash by which Warp keeps modules
+            wp.get_module(name).options["tables"] = tables
         return name

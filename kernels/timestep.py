@@ -25,7 +25,6 @@ VISCOUS_SHARE = 0.6
 CONTACT_CFL = 0.5
 """Coefficient of the contact limit 1/sqrt(stiffness/mass): two particles at it turn by 0.7 of a radian a step."""
 
-
 LEAP = 1.0
 """Largest distance in h by which two particles, or one and an image, come nearer to each other in a step."""
 
@@ -54,6 +53,7 @@ def make_timestep(
     read = make_reads(s)
     lanes = make_lanes(s)
     lowered, finite, value, Bits = lanes.lowered, lanes.finite, lanes.value, lanes.Bits
+    rank, ranked = lanes.rank, lanes.ranked
     zero = real(0.0)
     share, acceleration = real(VISCOUS_SHARE), real(ACCELERATION_CFL)
     floor, contact_cfl = wp.float64(FLOOR), real(CONTACT_CFL)
@@ -107,8 +107,8 @@ def make_timestep(
         b = wp.tid() + offset
         dt_b = wp.cast(real(1.0e30), Bits)
         # scalars, not vectors: the compiler keeps them in registers
-        low_x, low_y, low_z = real(1.0e30), real(1.0e30), real(1.0e30)
-        high_x, high_y, high_z = real(-1.0e30), real(-1.0e30), real(-1.0e30)
+        low_x, low_y, low_z = rank(real(1.0e30)), rank(real(1.0e30)), rank(real(1.0e30))
+        high_x, high_y, high_z = rank(real(-1.0e30)), rank(real(-1.0e30)), rank(real(-1.0e30))
         first = b * across
         last = wp.min(chunk, (n - first + along - 1) / along)
         k = wp.int32(0)
@@ -119,9 +119,9 @@ def make_timestep(
                 signal *= read.real(av_switch, i)
             vi = read.vec(v, i)
             check = read.real(rho, i) + read.real(e, i) + wp.dot(vec(read.point(x, i)), vi)
-            low_x, high_x = wp.min(low_x, vi[0]), wp.max(high_x, vi[0])
-            low_y, high_y = wp.min(low_y, vi[1]), wp.max(high_y, vi[1])
-            low_z, high_z = wp.min(low_z, vi[2]), wp.max(high_z, vi[2])
+            low_x, high_x = wp.min(low_x, rank(vi[0])), wp.max(high_x, rank(vi[0]))
+            low_y, high_y = wp.min(low_y, rank(vi[1])), wp.max(high_y, rank(vi[1]))
+            low_z, high_z = wp.min(low_z, rank(vi[2])), wp.max(high_z, rank(vi[2]))
             speed = read.real(cl, i) + share * signal
             if wp.static(lagrangian):
                 speed *= read.real(shrink, i)
@@ -133,8 +133,8 @@ def make_timestep(
             )
             k += 1
         block_dt[b] = value(dt_b)
-        block_low[b] = vec(low_x, low_y, low_z)
-        block_high[b] = vec(high_x, high_y, high_z)
+        block_low[b] = vec(ranked(low_x), ranked(low_y), ranked(low_z))
+        block_high[b] = vec(ranked(high_x), ranked(high_y), ranked(high_z))
 
     @wp.kernel(module=module)
     def fold(

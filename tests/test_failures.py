@@ -67,6 +67,14 @@ def test_a_collapsing_time_step_stops_the_run(solver):
         solver.advance(4 * MICRO)
 
 
+def test_a_particle_too_fast_for_any_step_stops_the_run(solver):
+    poke(solver, 3, "v", (0.0, -1e13, 0.0))
+    with pytest.raises(
+        RunError, match=r"particle 3 of body 'left' .*collapsed to 1.2e-16 s .*speed 1e\+13 m/s"
+    ):
+        solver.advance(4 * MICRO)
+
+
 @pytest.mark.parametrize("energy", [1e308, 1e200])
 @pytest.mark.filterwarnings("error")
 def test_a_scene_beyond_all_numbers_stops_at_once(energy):

@@ -57,7 +57,7 @@ def test_limits_may_be_none():
     ("numerics", "limit"),
     [
         ({}, EXACT), ({"scheme": "ts2"}, EXACT), ({"scheme": "tl"}, EXACT), ({"scheme": "av-explicit"}, LOSSY),
-        ({"scheme": "adaptle", "coupling": "printed"}, LOSSY), ({"scheme": "adaptle-as", "interface_stress": "eulerian"}, LOSSY),
+        ({"scheme": "adaptle", "interface_stress": "eulerian"}, EXACT), ({"scheme": "adaptle", "coupling": "printed"}, LOSSY), ({"scheme": "adaptle-as", "interface_stress": "eulerian"}, LOSSY),
     ],
 )  # fmt: skip
 def test_a_scheme_that_loses_energy_by_design_has_a_wider_limit(numerics, limit):

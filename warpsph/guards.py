@@ -80,15 +80,25 @@ class Guards:
         """The limit of the energy error [1]."""
         if self.energy_error is not None:
             return self.energy_error
-        return EXACT if conserves(numerics) else LOSSY
+        return EXACT if is_exact(numerics) and is_mutual(numerics) else LOSSY
 
 
-def conserves(numerics: Numerics) -> bool:
-    """Whether energy is conserved to round-off with these settings."""
+def is_exact(numerics: Numerics) -> bool:
+    """Whether the stepping conserves the energy of forces that are mutual, to round-off."""
     from .schemes import SCHEMES
 
-    exact = getattr(SCHEMES[numerics.scheme], "exact_energy", True)
-    return exact and numerics.coupling == "conservative" and numerics.interface_stress != "eulerian"
+    return getattr(SCHEMES[numerics.scheme], "exact_energy", True)
+
+
+def is_mutual(numerics: Numerics) -> bool:
+    """Whether action is reaction, which Eulerian beside Lagrangian particles may give up."""
+    from .schemes import SCHEMES
+
+    eulerian = getattr(SCHEMES[numerics.scheme], "eulerian", None)
+    if eulerian is None:
+        return True
+    lopsided = eulerian.artificial_stress and numerics.interface_stress == "eulerian"
+    return numerics.coupling == "conservative" and not lopsided
 
 
 def _limit(name: str, value: object) -> float:

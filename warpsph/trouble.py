@@ -87,10 +87,14 @@ def explain(now: Reading, particles: Particles, data: SceneData, scheme: Scheme)
             scheme.viscosity_alpha * p["cs"] + scheme.viscosity_beta * p["mu"]
         )
         acceleration = np.linalg.norm(p["dvdt"], axis=1)
-        limit = np.minimum(
+        apart = np.linalg.norm(p["v"] - np.median(p["v"], axis=0), axis=1)  # makes the box of velocities large
+        limits = (
             data.numerics.cfl * data.h / speed,
             ACCELERATION_CFL * np.sqrt(data.h / np.maximum(acceleration, 1e-300)),
+            scheme.leap * data.h / np.maximum(apart, 1e-300),
         )
+    limit = np.min(limits, axis=0)
     i = int(np.argmin(limit))
     culprit = name_culprit(particles, data, i, now)
-    return stops.collapsed(culprit, float(limit[i]), float(p["cl"][i]), float(acceleration[i]))
+    moving = float(np.linalg.norm(p["v"][i]))
+    return stops.collapsed(culprit, float(limit[i]), float(p["cl"][i]), float(acceleration[i]), moving)

@@ -155,7 +155,7 @@ class Watch:
         error = seen.energy_error(self._start)
         errors = []
         for guard, limit in self._limits.items():
-            if seen.particles[guard] or (guard == "energy_error" and error > limit):
+            if seen.particles[guard] or (guard == "energy_error" and not error <= limit):
                 worst, index = seen.worst(guard)
                 value = error if guard == "energy_error" else self._value(guard, worst)
                 errors += self._note(guard, seen.particles[guard], value, index, now)
@@ -203,10 +203,11 @@ class Watch:
             culprit = name_culprit(self._particles, self._data, index, now)
             case = {"value": value, **asdict(culprit)}
         if entry is None:
-            entry = self.found[guard] = {"limit": limit, "looks": 0, "particles": 0, "first": case}
+            entry = self.found[guard] = {"looks": 0, "particles": 0, "first": case}
             if action == "warn":
                 self.say(stops.warned(culprit, guard, value, limit, particles))
         entry |= {
+            "limit": limit,
             "action": action,
             "looks": entry["looks"] + 1,
             "particles": max(entry["particles"], particles),

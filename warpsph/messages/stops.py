@@ -34,9 +34,12 @@ def not_finite(culprit: "Culprit", fields: Sequence[str], density: float = 1.0, 
     return _stopped(culprit, what, "a smaller cfl may help; look at the snapshot before")
 
 
-def collapsed(culprit: "Culprit", dt: float, speed: float, acceleration: float) -> RunError:
-    """The time step [s] collapsed, by a wave speed [m/s] or an acceleration [m/s²]."""
-    what = f"time step collapsed to {dt:.3g} s (wave speed {speed:.3g} m/s, acceleration {acceleration:.3g} m/s^2)"
+def collapsed(culprit: "Culprit", dt: float, wave: float, acceleration: float, speed: float) -> RunError:
+    """The time step [s] collapsed, by a wave speed [m/s], an acceleration [m/s²] or a speed [m/s]."""
+    what = (
+        f"time step collapsed to {dt:.3g} s (wave speed {wave:.3g} m/s, acceleration {acceleration:.3g} m/s^2, "
+        f"speed {speed:.3g} m/s)"
+    )
     return _stopped(culprit, what, "a smaller cfl, a stiffer contact or wider gaps between bodies may help")
 
 

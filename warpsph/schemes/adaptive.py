@@ -23,9 +23,8 @@ NO_EULERIAN = EulerianSettings("monaghan", 0.0, 0.0)
 class Adaptive(Lagrangian):
     """Each particle sums over its reference neighbours, its present ones, or, beside the other type, over both."""
 
-    lasting = (
-        "shrink",
-    )  # of a particle that has just converted it is the Lagrangian one: the next step is found with it
+    lasting = ("shrink",)
+    # of a particle that has just converted it is the Lagrangian one: the next step is found with it
 
     def __init__(self, settings: LagrangianSettings, spec: Spec, numerics: Numerics, traits: Traits):
         """Pick the kernels; nothing is compiled before the first launch."""

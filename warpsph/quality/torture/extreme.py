@@ -48,8 +48,8 @@ VISCOUS = tuple(scheme for scheme in FAMILIES if scheme not in (*GODUNOV, CONTAC
 FASTEST = tuple(scheme for scheme in FAMILIES if scheme not in (*SPLIT_MIXED, CONTACT))
 """Schemes that bear 50 km/s: with contact Total Lagrangian particles turn over."""
 
-HEAVY_AND_LIGHT = ("sav1", "av", "pm", "tl", "tl-plain", "adaptle", CONTACT)
-"""Schemes that bear a density ratio of a million."""
+UNBALANCED = ("sav1-mixed-as", "bal", "mon", "ts1", *SPLIT_MIXED)
+"""Schemes that do not bear a density ratio of a million."""
 
 ROUND_OFF = {"float64": 1e-11, "float32": 2e-4, "mixed": 2e-4}
 """What errors of energy and momentum may come to over a run."""
@@ -106,7 +106,7 @@ def run(means: Means) -> Findings:
     found.notes.append(
         f"Not tried, for they do not bear it: fragments of one to three particles that hit each other at a kilometre per "
         f"second, and 50 km/s, with {' and '.join(SPLIT_MIXED)}; 50 km/s with Total Lagrangian particles in contact; a "
-        f"density ratio of a million in the equations of motion with schemes other than {', '.join(HEAVY_AND_LIGHT)}."
+        f"density ratio of a million in the equations of motion with {', '.join(UNBALANCED)}."
     )
     for case in CASES:
         runs = [
@@ -336,6 +336,7 @@ def _outcome(scene: Scene, precision: str, time: float, figure: Callable) -> Out
 def _after(solver: Solver, time: float, figure: Callable) -> Outcome:
     """Run to a time [s] and look; ``figure`` is of the solver, the positions [m] and velocities [m/s]."""
     before = solver.ledger()
+    solver.watch.say = lambda text: None  # what is sensible is for the case to say
     solver.advance(time)
     now, state = solver.ledger(), solver.state()
     total = [sum(ledger[f"{kind}_energy"] for kind in ("kinetic", "internal")) for ledger in (before, now)]
@@ -388,7 +389,10 @@ CASES = (
     Case("20 km/s, contact", fast, "pressure off the Hugoniot", 0.2, (CONTACT,), (1,)),
     Case("20 km/s, Riemann problems", fast, "pressure off the Hugoniot", 0.2, GODUNOV, (1,)),
     Case("50 km/s", faster, "highest speed over that of the impact", 2.0, FASTEST),
-    Case("a density ratio of a million", ratio, "light one in the heavy one [its lengths]", 1.0, HEAVY_AND_LIGHT),
+    Case(
+        "a density ratio of a million", ratio, "light one in the heavy one [its lengths]", 1.0,
+        tuple(scheme for scheme in FAMILIES if scheme not in UNBALANCED),
+    ),
     Case("at rest for 200 steps", rest, "movement", 0.0),
     Case("other units: mm-mg-µs, µm, nm, 1000 km", units, "off SI units [1e-9; float32: 1e-4]", 1e-4),
     Case("1e6 spacings from the origin, mixed", far, "off the origin", 1e-4, ("sav1", "pm", "tl"), (2,)),

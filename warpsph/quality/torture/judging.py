@@ -11,8 +11,7 @@ import numpy as np
 
 from warpsph.balance import energy
 from warpsph.errors import InputError, RunError
-from warpsph.scene import SceneData
-from warpsph.schemes import SCHEMES, LagrangianSettings
+from warpsph.guards import is_exact, is_mutual
 from warpsph.solver import Solver
 
 from .drawn import DrawnScene
@@ -87,8 +86,8 @@ def _judge(drawn: DrawnScene, steps: int) -> Outcome:
     wrong = _wrong(solver)
     if solver.reading.steps < steps:
         wrong.append(f"only {solver.reading.steps} steps")
-    bound, mutual = BOUNDS[drawn.precision], conserves(solver.data)
-    conserved = mutual and exact(solver.data)
+    bound, mutual = BOUNDS[drawn.precision], is_mutual(solver.data.numerics)
+    conserved = mutual and is_exact(solver.data.numerics)
     if conserved and not energy_error <= bound:
         wrong.append(f"energy error {energy_error:.2g}")
     if mutual and not momentum_error <= bound:
@@ -110,20 +109,6 @@ def _reason(solver: Solver, message: str) -> str:
 
 def _steps(message: str) -> int:
     return int(re.search(r"step (\d+):", message)[1])
-
-
-def exact(data: SceneData) -> bool:
-    """Whether the stepping conserves energy."""
-    return getattr(SCHEMES[data.numerics.scheme], "exact_energy", True)
-
-
-def conserves(data: SceneData) -> bool:
-    """Whether action is reaction in a run."""
-    settings, numerics = SCHEMES[data.numerics.scheme], data.numerics
-    if not isinstance(settings, LagrangianSettings) or settings.eulerian is None:
-        return True
-    lopsided = numerics.interface_stress == "eulerian" and settings.eulerian.artificial_stress
-    return numerics.coupling == "conservative" and not lopsided
 
 
 class Account:
