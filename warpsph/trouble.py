@@ -87,7 +87,9 @@ def explain(now: Reading, particles: Particles, data: SceneData, scheme: Scheme)
             scheme.viscosity_alpha * p["cs"] + scheme.viscosity_beta * p["mu"]
         )
         acceleration = np.linalg.norm(p["dvdt"], axis=1)
-        apart = np.linalg.norm(p["v"] - np.median(p["v"], axis=0), axis=1)  # makes the box of velocities large
+        apart = np.linalg.norm(
+            p["v"] - np.median(p["v"], axis=0), axis=1
+        )  # makes the box of velocities large
         limits = (
             data.numerics.cfl * data.h / speed,
             ACCELERATION_CFL * np.sqrt(data.h / np.maximum(acceleration, 1e-300)),
