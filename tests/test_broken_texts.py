@@ -1,5 +1,7 @@
 """Texts, facts and numbers that are read back: what is odd is refused in one line, or shown as it is."""
 
+import contextlib
+import copy
 import json
 import os
 
@@ -8,9 +10,10 @@ import pytest
 from states import impact
 from tools import body, jittered
 
-from warpsph import blocks, info, library, plot, run, scalars
+from warpsph import blocks, info, library, origin, plot, scalars
 from warpsph.drawing import look
 from warpsph.errors import InputError
+from warpsph.quality.torture.mutations import ODD
 from warpsph.storage import checkpoint, history, text
 
 
@@ -90,9 +93,24 @@ def test_odd_scene_files(tmp_path, monkeypatch):
         library.load(path)
 
 
+CASE = {
+    "value": float("inf"),
+    "particle": 1,
+    "body": "a",
+    "material": "b",
+    "position": [0.0],
+    "time": 1.0,
+    "step": 64,
+}
+FOUND = {"limit": 0.0, "looks": 1, "particles": 2, "first": CASE, "action": "warn", "worst": CASE}
 FACTS = {
     "time": 1.0, "frames": True, "until": 2.0, "row_time": 1.0, "device": "cpu", "precision": "float64", "device_name": "", "version": "", "warp": "",
-    "solver": {}, "balance": {}, "parameters": {},
+    "parameters": {}, "scene_sha256": "",
+    "solver": {
+        "precision": "float64", "cuda": False, "batch": 32, "builds": 1, "tile_width": 0.1,
+        "watch": {"guards": {}, "start": None, "found": {"density": FOUND}},
+    },
+    "balance": {"start": {"work": 0.0}, "energy_error": float("inf"), "momentum_error": 0, "angular_momentum_error": 0.0, "kinetic": 1.0},
 }  # fmt: skip
 JOB = {
     "interval": 0.5, "row_interval": 0.01, "ends": [2.0], "due": 3, "next_snapshot": 3, "next_row": 1.0, "neighbours": [3.0],
@@ -109,16 +127,52 @@ JOB = {
         ({}, {"next_row": -1.0}, "next_row is not a number that is not negative"),
         ({}, {"interval": 5e-324}, "outputs have no end"),
         ({}, {"neighbours": ["1"]}, "neighbours is not a finite number"),
-        ({}, {"finish": 1}, "facts that no job has"),
+        (
+            {"balance": {"start": {}}},
+            {},
+            "energy_error, momentum_error, angular_momentum_error, kinetic is missing",
+        ),
+        ({"solver": {"precision": "float64", "cuda": 0}}, {}, "batch, builds, tile_width, watch is missing"),
+        ({}, {"peaks": {"pressure": "1"}}, "peaks is not a number"),
     ],
 )
 def test_a_run_goes_on_from_sound_facts_only(tmp_path, change, job, message):
     def check(change, job):
-        run._check(checkpoint.Found({}, FACTS | {"job": JOB | job} | change, tmp_path / "checkpoint.h5", []))
+        return origin.checked(
+            checkpoint.Found({}, FACTS | {"job": JOB | job} | change, tmp_path / "checkpoint.h5", [])
+        )
 
-    check({}, {})
+    assert check({}, {}).info == FACTS | {"job": JOB}
+    assert check({}, {"finish": 1}).info == FACTS | {"job": JOB}, "what no job has is left out"
     with pytest.raises(InputError, match=rf"checkpoint\.h5 is damaged .*{message}"):
         check(change, job)
+
+
+def places(facts, above=()):
+    """Where each fact of a checkpoint is, those within others too."""
+    for name, value in facts.items():
+        yield (*above, name)
+        if isinstance(value, dict):
+            yield from places(value, (*above, name))
+
+
+def test_whatever_is_odd_in_a_checkpoint_is_refused_or_makes_sense(tmp_path):
+    """Each fact in turn takes each odd value, and is missing."""
+    whole = FACTS | {"job": JOB}
+    for *above, name in places(whole):
+        for odd in (*ODD, None):
+            info = inner = copy.deepcopy(whole)
+            for key in above:
+                inner = inner[key]
+            del inner[name]
+            if odd is not None:
+                inner[name] = odd
+            with contextlib.suppress(InputError):
+                checked = origin.checked(checkpoint.Found({}, info, tmp_path, [])).info
+                assert {type(checked[key]) for key in ("time", "until", "row_time")} == {float}
+                assert [checked[key].keys() for key in ("job", "solver", "balance")] == [
+                    whole[key].keys() for key in ("job", "solver", "balance")
+                ]
 
 
 def test_arrays_of_a_checkpoint_fit_the_run():

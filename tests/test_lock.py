@@ -11,7 +11,7 @@ import threading
 import pytest
 from tools import collision
 
-from warpsph.errors import InputError
+from warpsph.errors import DiskError, InputError
 from warpsph.progress import Progress
 from warpsph.quality.torture import lock as trial
 from warpsph.quality.torture.trial import Means
@@ -86,6 +86,23 @@ def test_a_lock_file_that_says_nothing_stops_nobody_where_there_are_locks(tmp_pa
     (tmp_path / "run.lock").write_bytes(content.encode("latin-1"))
     with lock.held(tmp_path, ignore):
         assert json.loads((tmp_path / "run.lock").read_text())["pid"] == os.getpid()
+
+
+def test_what_a_lock_file_says_is_bounded_and_printable(tmp_path):
+    path, told = tmp_path / "run.lock", []
+    path.write_text(entry(pid=OVER, since="\x1b[2J"))
+    with lock.held(tmp_path, told.append):
+        pass
+    assert len(told) == 1 and told[0].isprintable() and "since \\x1b[2J" in told[0]
+    path.write_text("[" * lock.LONGEST)
+    assert not lock.holder(tmp_path)
+    path.write_text(entry(since="x" * lock.LONGEST))
+    assert not lock.holder(tmp_path)
+    path.unlink()
+    os.mkfifo(path)
+    assert not lock.holder(tmp_path)
+    with pytest.raises((InputError, DiskError), match="could not be written"), lock.held(tmp_path, ignore):
+        pass
 
 
 def test_without_locks_only_the_own_host_knows_who_is_over(tmp_path, monkeypatch):

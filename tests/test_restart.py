@@ -10,7 +10,7 @@ import pytest
 from test_repeat import SCENE
 from tools import collision
 
-from warpsph import __version__, info
+from warpsph import __version__, info, origin
 from warpsph.errors import InputError
 from warpsph.library import load
 from warpsph.quality.torture import restart
@@ -86,6 +86,13 @@ def test_a_checkpoint_says_where_it_is_from(halfway):
     lines = info.describe(halfway).splitlines()[-2:]
     assert [line.split(":")[0] for line in lines] == [NEWEST, PREVIOUS]
     assert f"step {facts['step']}" in lines[0]
+
+
+def test_all_that_a_run_keeps_is_checked(halfway):
+    found = checkpoint.load_newest(halfway)
+    checked = origin.checked(found)
+    assert checked.info.keys() <= found.info.keys() and checked.arrays is found.arrays
+    assert all(checked.info[name] == found.info[name] for name in checked.info)
 
 
 def test_the_newest_two_are_kept(tmp_path):
@@ -179,6 +186,30 @@ def test_a_later_end_changes_nothing_up_to_the_old_one(stopped, ended):
     assert not differences(stopped, early), "from before the end it had in between"
     times = [snapshot.time(path) for path in snapshot.find(stopped)][-3:]
     assert times == [8e-6, 9e-6, 10e-6], "outputs are where they were due"
+
+
+def test_a_damaged_snapshot_is_named_before_anything_is_changed(stopped, ended):
+    damaged = snapshot.find(stopped)[1]
+    damaged.write_bytes(damaged.read_bytes()[:-1])
+    before = {path: path.read_bytes() for path in stopped.rglob("*") if path.is_file()}
+    with pytest.raises(InputError, match=f"{damaged} is damaged .*; move it away to go on without it"):
+        resume(stopped, frames=False)
+    assert before == {path: path.read_bytes() for path in stopped.rglob("*") if path.is_file()}
+    damaged.unlink()
+    summary = resume(stopped, frames=False)
+    assert summary["outcome"] == "done" and not summary["warnings"]
+    names = [path.name for path in snapshot.find(ended)]
+    assert [path.name for path in snapshot.find(stopped)] == [name for name in names if name != damaged.name]
+
+
+def test_a_run_goes_on_in_a_folder_of_any_name(stopped, tmp_path):
+    """What is said names the folder, is kept, and has to be read again."""
+    out = stopped.rename(tmp_path / "a\tb")
+    (out / NEWEST).write_bytes(b"")
+    with pytest.raises(KeyboardInterrupt):
+        resume(out, frames=False, progress=Stopper(2))
+    (line,) = resume(out, frames=False)["warnings"]
+    assert f"a\\tb/{NEWEST} is damaged" in line and line.isprintable()
 
 
 def test_wall_times_and_steps_add_up(stopped, ended):

@@ -346,6 +346,15 @@ BAD = {
         lambda: with_plane("x", 0.0).add_symmetry_plane("x", 1.0),
         "one plane for each axis",
     ),
+    "name that moves the cursor": (
+        lambda: scene().add_body("a\tb", square(), METAL),
+        r"name of a body = 'a\tb' is not allowed; allowed: a printable text",
+    ),
+    "name of a measure": (
+        lambda: scene().add_measure("a\nb", len),
+        r"name of a measure = 'a\nb' is not allowed; allowed: a printable text",
+    ),
+    "unit of a measure": (lambda: scene().add_measure("a", len, "\x1b"), r"unit of measure 'a' = '\x1b'"),
     "measure": (lambda: scene().add_measure("a", 3.0), "function of measure 'a' = 3.0"),
 }
 

@@ -1,5 +1,6 @@
 """Runs that are asked to stop: by SIGINT, by SIGTERM, by their wall time."""
 
+import errno
 import json
 import os
 import signal
@@ -9,8 +10,9 @@ import time
 import pytest
 
 from warpsph import frames, library, walltime
-from warpsph.errors import Ended, InputError, RunError
+from warpsph.errors import DiskError, Ended, InputError, RunError
 from warpsph.progress import Progress
+from warpsph.quality.torture import faults
 from warpsph.quality.torture import signals as trial
 from warpsph.quality.torture.child import SCENE
 from warpsph.quality.torture.trial import Means
@@ -160,6 +162,11 @@ def outcome(out):
     return json.loads((out / "summary.json").read_text())["outcome"]
 
 
+def warnings(out):
+    """What the summary warns of."""
+    return json.loads((out / "summary.json").read_text())["warnings"]
+
+
 @pytest.mark.parametrize(("number", "code", "word"), [(2, 130, "interrupted"), (15, 143, "terminated")])
 def test_a_run_stops_with_a_checkpoint_and_goes_on(start, out, number, code, word):
     before = handlers()
@@ -192,6 +199,38 @@ def test_a_run_that_fails_while_it_is_asked_to_stop_leaves_no_checkpoint_of_the_
     assert checkpoint.load(out / "checkpoint.h5")[1]["time"] < 1.2e-6 < snapshot.time(snapshot.find(out)[-1])
 
 
+@pytest.mark.parametrize("number", [2, 15])
+def test_a_run_that_is_asked_to_stop_on_a_full_disk_says_both(start, out, number):
+    def full(what, path):
+        if "0003" in path.name and what == "write":  # what the request makes it write
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with faults.watched(full), pytest.raises(DiskError) as stopped:
+        start(action=lambda: signal.raise_signal(number))
+    text = str(stopped.value)
+    assert text.startswith(
+        f"{'interrupted' if number == 2 else 'terminated'}, but {out}/snapshots/balls_0003.vtkhdf"
+    )
+    assert "could not be written: No space left" in text and text.endswith(
+        f"; then `warpsph resume {out}` goes on"
+    )
+    assert "last snapshot: " in text and "balls_0002.vtkhdf; " in text and "\n" not in text
+    assert outcome(out) == "failed" and [text.partition("; last")[0].partition(", but ")[2]] == warnings(out)
+    assert resume(out)["outcome"] == "done" and len(snapshot.find(out)) == 7
+
+
+def test_a_measure_that_fails_ends_the_run_in_good_order(start, out, monkeypatch):
+    monkeypatch.setitem(globals(), "SCENE", SCENE.replace("state.p.max()", "1 / (state.time < 1.2e-6)"))
+    (out.parent / "balls.py").write_text(SCENE)
+    with pytest.raises(
+        RunError, match=r"measure 'peak_pressure' failed at t = 1\.[2-5].* s: ZeroDivisionError: .*scene"
+    ) as stopped:
+        start()
+    last = snapshot.find(out)[-1]
+    assert str(stopped.value).endswith(f"; last snapshot: {last}") and snapshot.time(last) > 1.2e-6
+    assert outcome(out) == "failed" and "peak_pressure" in warnings(out)[0]
+
+
 def test_a_run_that_stops_at_an_output_has_written_it_already(start, out):
     with pytest.raises(Ended):
         start(time=1.5e-6, action=lambda: signal.raise_signal(signal.SIGTERM))
@@ -215,10 +254,13 @@ def test_a_wall_time_that_is_too_short_leaves_the_first_output(start, out):
     assert {path: path.read_bytes() for path in out.rglob("*") if path.is_file()} == files
 
 
-def test_a_run_that_was_killed_before_its_summary_gets_it(start, out):
+@pytest.mark.parametrize("content", [None, "{"])
+def test_a_run_that_was_killed_before_its_summary_gets_it(start, out, content):
     start()
     written = json.loads((out / "summary.json").read_text())
     (out / "summary.json").unlink()
+    if content is not None:
+        (out / "summary.json").write_text(content)
     found = resume(out)
     timings = {"wall_s", "step_wall_s", "ns_per_particle_step", "ns_per_pair"}
     assert {k: v for k, v in found.items() if k not in timings} == {
@@ -250,6 +292,17 @@ def test_frames_that_were_not_drawn_are_drawn_later(start, out, monkeypatch):
     assert not frames.are_missing(out)
     monkeypatch.setattr("warpsph.render.render", None)
     resume(out)
+
+
+def test_frames_that_cannot_be_drawn_do_not_make_a_run_fail(start, out, monkeypatch):
+    def render(folder, on_frame):
+        raise InputError("no particle has a finite position")
+
+    monkeypatch.setattr("warpsph.render.render", render)
+    start(frames=True)
+    assert outcome(out) == "done" and warnings(out) == ["no frames: no particle has a finite position"]
+    resume(out)
+    assert len(warnings(out)) == 1
 
 
 def test_other_threads_take_no_signals(start, out):

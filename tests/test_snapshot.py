@@ -111,7 +111,7 @@ def test_failure_while_writing_leaves_no_file(tmp_path):
 def test_the_index_loses_snapshots_before_they_go(tmp_path, monkeypatch):
     for number in (1, 2, 3):  # somebody has taken the first one away
         snapshot.write(tmp_path / f"block_{number:04d}.vtkhdf", impact())
-    index, unlink, gone = snapshot.series(tmp_path), Path.unlink, []
+    index, unlink, gone = snapshot.series(tmp_path, snapshot.times(tmp_path)), Path.unlink, []
 
     def checked(path, **options):
         if path.suffix == ".vtkhdf":
@@ -121,15 +121,15 @@ def test_the_index_loses_snapshots_before_they_go(tmp_path, monkeypatch):
         unlink(path, **options)
 
     monkeypatch.setattr(Path, "unlink", checked)
-    snapshot.drop(tmp_path, 4)
+    snapshot.drop(tmp_path, 4, snapshot.times(tmp_path, 4))
     assert not gone
-    snapshot.drop(tmp_path, 2)
+    snapshot.drop(tmp_path, 2, snapshot.times(tmp_path, 2))
     assert gone == ["block_0002.vtkhdf", "block_0003.vtkhdf"]
     assert [path.name for path in snapshot.find(tmp_path)] == ["block_0001.vtkhdf"]
 
 
 def test_series_lists_the_snapshots_in_time_order(tmp_path):
-    assert snapshot.series(tmp_path) is None
+    assert snapshot.series(tmp_path, {}) is None
     (tmp_path / "snapshots").mkdir()
     for number in (10_000, 2, 0):
         snapshot.write(tmp_path / "snapshots" / f"block_{number:04d}.vtkhdf", impact(number * 1e-9))
@@ -137,7 +137,7 @@ def test_series_lists_the_snapshots_in_time_order(tmp_path):
     names = ["block_0000.vtkhdf", "block_0002.vtkhdf", "block_10000.vtkhdf"]
     assert [path.name for path in snapshot.find(tmp_path)] == names
     assert snapshot.find(tmp_path / "snapshots") == snapshot.find(tmp_path)
-    index = snapshot.series(tmp_path)
+    index = snapshot.series(tmp_path, snapshot.times(tmp_path))
     assert index == tmp_path / "snapshots" / "block.vtkhdf.series"
     content = json.loads(index.read_text())
     assert content["file-series-version"] == "1.0"

@@ -67,8 +67,8 @@ class Balance:
 
     def restore(self, saved: dict) -> None:
         """Go on from what `save` gave."""
-        for name, value in saved.items():
-            setattr(self, name, value)
+        for name in self.save():
+            setattr(self, name, saved[name])
 
 
 def energy(ledger: dict[str, float]) -> float:

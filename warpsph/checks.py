@@ -29,6 +29,11 @@ def positive(name: str, value: object) -> float:
     raise refuse(name, value, "a positive number")
 
 
+def is_name(value: object) -> bool:
+    """Whether a value can name something in files and messages: a text of printable characters, and not an empty one."""
+    return isinstance(value, str) and value != "" and value.isprintable()
+
+
 def vector(name: str, value: object, *sizes: int) -> tuple[float, ...]:
     """Give a vector as a tuple of floats; ``sizes`` are the allowed numbers of components.
 

@@ -28,9 +28,6 @@ INPUT, STOPPED, DISK, INTERRUPTED = 2, 3, 4, 130
 SIGNALLED = (INTERRUPTED, 143)
 """Exit codes of what a signal has ended."""
 
-FILE_ERRORS = (FileNotFoundError, FileExistsError, PermissionError, NotADirectoryError, IsADirectoryError)
-"""Failures of the file system that a user can put right on the command line."""
-
 POSITIONAL, KEYWORD = inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.KEYWORD_ONLY
 """Kinds of parameters in a signature."""
 
@@ -90,11 +87,11 @@ def _attempt(make: Callable[[], App], tokens: list[str]) -> int:
         return _complain(f"unexpected argument {(error.unused_tokens or ['?'])[0]!r}", INPUT)
     except (CycloptsError, InputError) as error:
         return _complain(error, INPUT)
-    except FILE_ERRORS as error:
-        return _complain(f"{error.filename}: {error.strerror}", INPUT)
     except BrokenPipeError:  # whoever read the output has left
         return 0
     except OSError as error:
+        if output.is_by_name(error):
+            return _complain(f"{error.filename}: {error.strerror}", INPUT)
         return _complain(output.unwritten(error.filename or "standard output", error), DISK)
     except DiskError as error:
         return _complain(error, DISK)

@@ -1,11 +1,12 @@
 """The frames that a run draws of its snapshots when all steps are done."""
 
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from . import exhaustion
-from .errors import DiskError, Ended, RunError
+from .errors import DiskError, Ended, InputError, RunError
 from .messages import output, stops
 from .storage import snapshot
 from .storage import summary as summaries
@@ -18,7 +19,7 @@ def are_missing(out: Path) -> bool:
 
 
 def draw(out: Path, summary: dict[str, Any], deadline: Deadline) -> None:
-    """Draw a frame of every snapshot; a machine that cannot draw has still run the scene, and the summary says so.
+    """Draw a frame of every snapshot; where that cannot be done the scene has still been run, and the summary says why.
 
     Args:
         out: Folder of the run.
@@ -38,12 +39,14 @@ def draw(out: Path, summary: dict[str, Any], deadline: Deadline) -> None:
         raise stops.undrawn(ended, out) from None
     except DiskError as error:
         raise output.no_frames(error, out) from error
-    except RunError as error:
-        summary["warnings"].append(f"no frames: {error}")
-        summaries.write(out, summary)
+    except (RunError, InputError) as error:
+        line = f"no frames: {error}"
+        if line not in summary["warnings"]:  # of a run that was done before
+            summary["warnings"].append(line)
+            summaries.write(out, summary)
 
 
-def _watch(deadline: Deadline):
+def _watch(deadline: Deadline) -> Callable[[], None]:
     """What is called before each frame: measures the last one, and ends the drawing in time."""
     marks: list[float] = []
 

@@ -1,6 +1,5 @@
 """What ``warpsph info`` prints about a finished run, a snapshot or a checkpoint, and the tables of the other commands."""
 
-import json
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,19 +10,13 @@ from .errors import InputError
 from .messages import files
 from .messages.values import printable
 from .progress import clock, si
-from .storage import folder, text
+from .storage import folder, summary
 
 if TYPE_CHECKING:
     from .state import State
 
 GAP = "  "
 """Between the columns of a table."""
-
-LONGEST = 2**24
-"""Longest summary that is read [bytes]."""
-
-DEEPEST = 50
-"""How deep entries of a summary may be in each other."""
 
 FOREVER = 1e12
 """A wall time beyond this is none [s]."""
@@ -44,7 +37,7 @@ def describe(path: Path) -> str:
     if not path.exists():
         raise files.no_run(path)
     if path.is_file() and path.suffix == ".json":
-        return describe_summary(read_summary(path))
+        return describe_summary(summary.read(path))
     if path.is_file() and path.suffix == ".h5":
         return describe_checkpoint(checkpoint.facts(path))
     if path.is_file():
@@ -56,43 +49,18 @@ def _describe_folder(path: Path) -> str:
     """Describe a run by its summary, else by its last snapshot."""
     from .storage import snapshot
 
-    if (path / "summary.json").is_file():
-        return describe_summary(read_summary(path / "summary.json"))
+    if (path / summary.NAME).is_file():
+        return describe_summary(summary.read(path / summary.NAME))
     found = snapshot.find(path)
     if not found:
         raise files.empty_run(path)
     return describe_state(snapshot.read(found[-1]))
 
 
-def read_summary(path: Path) -> dict[str, Any]:
-    """Read a ``summary.json``.
-
-    Raises:
-        InputError: If it cannot be read as one.
-    """
-    content = text.read(path, "summary", LONGEST)
-    try:
-        summary = json.loads(content)
-        if _depth(summary) > DEEPEST:
-            raise RecursionError
-    except (ValueError, RecursionError) as error:
-        reason = f"({error})" if isinstance(error, ValueError) else f"(nested more than {DEEPEST} deep)"
-        raise files.no_summary(path, f"cannot be read as a summary {reason}") from None
-    if not isinstance(summary, dict) or not isinstance(summary.get("warnings", []), list):
-        raise files.no_summary(path, "is no summary: no JSON object with a list of warnings")
-    return summary
-
-
-def _depth(value: Any) -> int:
-    """How deep objects and lists are in each other."""
-    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
-    return 1 + max(map(_depth, inner), default=0)
-
-
-def describe_summary(summary: dict[str, Any]) -> str:
+def describe_summary(facts: dict[str, Any]) -> str:
     """Write a summary out, one entry a line; nested entries are indented, warnings come last."""
     rows: list[tuple[str, str]] = []
-    for key, value in summary.items():
+    for key, value in facts.items():
         if key == "warnings":
             continue
         if isinstance(value, dict):
@@ -100,7 +68,7 @@ def describe_summary(summary: dict[str, Any]) -> str:
             rows += [(GAP + str(name), _value(name, inner)) for name, inner in value.items()]
         else:
             rows.append((key, _value(key, value)))
-    warnings = [f"warning: {printable(str(line))}" for line in summary.get("warnings", [])]
+    warnings = [f"warning: {printable(str(line))}" for line in facts.get("warnings", [])]
     return "\n".join([table(rows), *warnings])
 
 

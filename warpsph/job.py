@@ -17,11 +17,12 @@ from .clock import Reading
 from .errors import DiskError, Ended, RunError
 from .kernels.parts import PARTS
 from .messages import output, remarks, stops
+from .messages.values import printable
 from .progress import Progress
 from .scene import SceneData
 from .signals import Stop
 from .solver import Solver
-from .storage import checkpoint, snapshot
+from .storage import checkpoint, folder, snapshot
 from .storage import summary as summaries
 from .storage.history import History
 from .storage.writer import Writer
@@ -44,13 +45,6 @@ OWN_COLUMNS = (
     *LEDGER_COLUMNS, ("pressure_min", "Pa"), ("density_min", "kg/m^3"),
 )  # fmt: skip
 """Columns of history.csv that every run has; a measure of the same name takes the column's place."""
-
-
-KEPT = (
-    "interval", "row_interval", "ends", "due", "next_snapshot", "next_row", "neighbours", "peaks", "remarks",
-    "step_wall", "wall",
-)  # fmt: skip
-"""Attributes of a `Job` that a checkpoint keeps."""
 
 
 class Job:
@@ -93,26 +87,37 @@ class Job:
         self._output()
 
     def go_on(self, found: checkpoint.Found) -> None:
-        """Start from a checkpoint: files are as they were then, and the next batch of steps is the one that was due."""
-        info = found.info
-        self.balance = Balance(self.data, self.solver.ledger())
+        """Start from a checkpoint: files are as they were then, and the next batch of steps is the one that was due.
+
+        Raises:
+            InputError: If the checkpoint, the history or a snapshot before it cannot be read.
+            DiskError: If a file cannot be written.
+        """
+        info, self.balance = found.info, Balance(self.data, self.solver.ledger())
+        if (
+            info["job"]["peaks"].keys() != self.peaks.keys()
+            or info["balance"]["start"].keys() != self.balance.start.keys()
+        ):
+            raise LookupError("its peaks or its ledger are not those of the scene")
+        self._times = snapshot.times(self.out, info["job"]["next_snapshot"])
         self.solver.restore(found.arrays, info["solver"])
         self.balance.restore(info["balance"])
         self.history = History.reopen(self.out / "history.csv", info["row_time"])
         checkpoint.go_on_from(found.path)
-        for name in KEPT:
+        for name in origin.KEPT:
             setattr(self, name, info["job"][name])
         self.ends = sorted({*self.ends, self.until})
         self._row_time = info["row_time"]
         said = found.remarks + origin.differences(info, origin.header(self.solver, self.out))
         if self.history.last != info["row_time"]:
             said.append(remarks.history_lost(self.history.path, self.history.last, info["row_time"]))
+        said = list(map(printable, said))  # a folder may have any name
         self.remarks = self.remarks + said
         self.warnings += self.remarks
         for line in said:
             self.progress.message(line)
         self._output_time = info["time"]
-        snapshot.drop(self.out, self.next_snapshot)  # of what is done again
+        snapshot.drop(self.out, self.next_snapshot, self._times)  # of what is done again
 
     def finish(self) -> dict[str, Any]:
         """Run to the end, whatever ends it, and write the summary.
@@ -123,10 +128,11 @@ class Job:
         """
         self.progress.start(self.until, self.solver.reading.time)
         try:
-            with exhaustion.told(), self._writer:
-                self._steps()
-            now = self.solver.reading
-            if now.time >= self.until:
+            with exhaustion.told():
+                with self._writer:
+                    self._steps()
+                if self.solver.reading.time < self.until:
+                    raise self._pause()
                 self.history.close()
                 self._rooms.clear()  # there are no more outputs, and drawing takes as much
                 return self._summary("done")
@@ -134,9 +140,14 @@ class Job:
             raise self._stopped(error) from error
         finally:
             self.progress.stop()
+
+    def _pause(self) -> Ended:
+        """Leave what is needed to go on from here; gives the end with what goes on."""
+        now = self.solver.reading
         ended = stops.paused(self._ending, self.out, now.time, self.until, now.steps - self._mark[1])
         self._last_words(str(ended), str(self._ending), going_on=True)
-        raise ended
+        self.history.close()
+        return ended
 
     def _stopped(self, error: RunError) -> RunError:
         """Leave last words, as far as the disk takes them; gives the error with what is there of the run."""
@@ -150,11 +161,11 @@ class Job:
             self.history.close()
         try:
             last = (snapshot.find(self.out) or [None])[-1]
-            goes_on = any(self.out.glob("checkpoint*.h5"))
+            goes_on = bool(folder.checkpoints(self.out))
         except OSError:
             last, goes_on = None, False
         if isinstance(error, DiskError):
-            return output.stopped(error, last, self.out, goes_on)
+            return output.stopped(error, self._stop.asked or self._ending, last, self.out, goes_on)
         return stops.stopped(error, lost, last)
 
     def _must_end(self) -> bool:
@@ -213,10 +224,21 @@ class Job:
             self.next_row += self.row_interval
 
     def _measures(self) -> dict[str, float]:
+        """The scene's measures of the present state.
+
+        Raises:
+            RunError: If one of them fails; names it.
+        """
         if not self.data.measures:
             return {}
-        state = self.solver.glance()
-        found = {name: float(measure.function(state)) for name, measure in self.data.measures.items()}
+        state, found = self.solver.glance(), {}
+        for name, measure in self.data.measures.items():
+            try:
+                found[name] = float(measure.function(state))
+            except (MemoryError, RunError):
+                raise
+            except Exception as error:  # code of the scene
+                raise stops.measure_failed(name, self.solver.reading.time, error) from error
         for name, highest in self.peaks.items():
             found[name] = self.peaks[name] = max(highest, found[name])
         return found
@@ -241,7 +263,7 @@ class Job:
         def write() -> None:
             start = time.perf_counter()
             snapshot.write(path, state)
-            self._times[path.name] = state.time  # a failing disk need not read it back
+            self._times[path.name] = state.time
             snapshot.series(path.parent, self._times)
             self.history.sync()
             if going_on:
@@ -253,7 +275,7 @@ class Job:
 
     def _info(self, solver: dict) -> dict[str, Any]:
         """Everything a restart needs besides the arrays; nothing in it changes later."""
-        own = copy.deepcopy({name: getattr(self, name) for name in KEPT}) | {"wall": self._elapsed()}
+        own = copy.deepcopy({name: getattr(self, name) for name in origin.KEPT}) | {"wall": self._elapsed()}
         now = self.solver.reading
         return origin.header(self.solver, self.out) | {
             "parameters": self.parameters, "time": now.time, "step": now.steps, "until": self.until,
@@ -266,11 +288,11 @@ class Job:
 
         Only a ``whole`` one leaves more than the summary: a disk that takes no more has the run's checkpoint already.
         """
-        self.warnings.append(why)
         if whole:
             self._writer.check()
             if not going_on or self.solver.reading.time > self._output_time:
                 self._take(self.next_snapshot, going_on)()
+        self.warnings.append(why)
         self._summary(outcome)
 
     def _elapsed(self) -> float:
@@ -290,6 +312,9 @@ class Job:
         with contextlib.suppress(RunError):  # rows that outgrew memory are not counted
             counts.append(self.solver.mean_neighbours())
         neighbours = sum(counts) / len(counts)
+        measures = {}
+        with contextlib.suppress(RunError):  # one that fails has ended the run
+            measures = self._measures()
         per_step = 1e9 * self.step_wall / (n * steps)
         clipped = int(ledger["eos_clipped"])
         warnings = [*self.warnings, *self.solver.watch.warnings()]
@@ -306,7 +331,7 @@ class Job:
             "neighbour_builds": self.solver.neighbours.builds,
             "energy_error": self.balance.energy_error, "momentum_error": self.balance.momentum_error,
             "angular_momentum_error": self.balance.angular_momentum_error,
-            **self.solver.tally(), "guards": self.solver.watch.report(), "measures": self._measures(), "warnings": warnings, "version": __version__,
+            **self.solver.tally(), "guards": self.solver.watch.report(), "measures": measures, "warnings": warnings, "version": __version__,
         }  # fmt: skip
 
 

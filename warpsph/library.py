@@ -123,13 +123,13 @@ def find(name_or_path: str | Path) -> Path:
     Raises:
         InputError: If there is none; lists the bundled names and the closest one.
     """
-    text = str(name_or_path)
-    if text in names():
-        return Path(str(resources.files("warpsph.scenes").joinpath(f"{text}.py")))
-    path = Path(text)
+    name = str(name_or_path)
+    if name in names():
+        return Path(str(resources.files("warpsph.scenes").joinpath(f"{name}.py")))
+    path = Path(name)
     if path.suffix == ".py" and path.is_file():
         return path.resolve()
-    raise values.unknown("scene", text, names(), "the path of a .py file")
+    raise values.unknown("scene", name, names(), "the path of a .py file")
 
 
 def load(name_or_path: str | Path) -> SceneFile:

@@ -1,4 +1,4 @@
-"""Where a checkpoint comes from: what it says of its run, and in what the one that goes on from it differs."""
+"""Where a checkpoint comes from: what it says of its run, what of that has to be there, and how a later run differs."""
 
 from pathlib import Path
 from typing import Any
@@ -6,10 +6,70 @@ from typing import Any
 import warp as wp
 
 from . import __version__
-from .messages import remarks
+from .kernels.guards import GUARDS
+from .messages import files, remarks
 from .processor import processor
 from .solver import Solver
-from .storage import checkpoint
+from .storage import checkpoint, facts
+
+KEPT = {
+    "interval": facts.positive, "row_interval": facts.positive, "ends": facts.many(facts.finite), "due": facts.natural,
+    "next_snapshot": facts.natural, "next_row": facts.not_negative, "neighbours": facts.many(facts.finite),
+    "peaks": facts.each(facts.number), "remarks": facts.many(facts.text), "wall": facts.not_negative,
+    "step_wall": facts.not_negative,
+}  # fmt: skip
+"""Attributes of a `Job` that a checkpoint keeps, its fact ``job``, and what they have to be."""
+
+CASE = facts.record_of({
+    "value": facts.number, "particle": facts.natural, "body": facts.text, "material": facts.text,
+    "position": facts.many(facts.number), "time": facts.finite, "step": facts.natural,
+})  # fmt: skip
+"""What a guard has found at one look, see `warpsph.watch.Watch`."""
+
+FOUND = facts.record_of({
+    "limit": facts.number, "looks": facts.natural, "particles": facts.natural, "first": CASE, "action": facts.text, "worst": CASE,
+})  # fmt: skip
+"""What it has found in a run."""
+
+SOLVER = {
+    "precision": facts.text, "cuda": facts.truth, "batch": facts.natural, "builds": facts.natural, "tile_width": facts.positive,
+    "watch": facts.record_of({
+        "guards": facts.record, "start": facts.optional(facts.number), "found": facts.each(FOUND, GUARDS),
+    }),
+}  # fmt: skip
+"""What `warpsph.solver.Solver.save` gives besides arrays."""
+
+BALANCE = {
+    "start": facts.each(facts.number), "energy_error": facts.number, "momentum_error": facts.number,
+    "angular_momentum_error": facts.number, "kinetic": facts.number,
+}  # fmt: skip
+"""What `warpsph.balance.Balance.save` gives."""
+
+NEEDED = {
+    "time": facts.not_negative, "until": facts.positive, "row_time": facts.finite, "device": facts.text, "precision": facts.text,
+    "device_name": facts.text, "version": facts.text, "warp": facts.text, "scene_sha256": facts.text, "frames": facts.truth,
+    "parameters": facts.record, "solver": facts.record_of(SOLVER), "balance": facts.record_of(BALANCE),
+    "job": facts.record_of(KEPT),
+}  # fmt: skip
+"""Facts of a checkpoint that a run goes on from, and what they have to be."""
+
+SHORTEST = 1e-9
+"""Shortest interval of outputs, as a share of the end time."""
+
+
+def checked(found: checkpoint.Found) -> checkpoint.Found:
+    """Give a checkpoint with the facts that a run goes on from, each as it has to be, and no others.
+
+    Raises:
+        InputError: If one is missing or of a wrong type.
+    """
+    try:
+        info = facts.check(found.info, NEEDED)
+        if min(info["job"]["interval"], info["job"]["row_interval"]) < SHORTEST * info["until"]:
+            raise ValueError("its outputs have no end")
+    except ValueError as error:
+        raise files.damaged(found.path, checkpoint.FORM, error) from None
+    return found._replace(info=info)
 
 
 def header(solver: Solver, out: Path) -> dict[str, Any]:
@@ -38,10 +98,10 @@ def differences(then: dict[str, Any], now: dict[str, Any]) -> list[str]:
     return said
 
 
-def _arithmetic(facts: dict[str, Any]) -> str:
-    kind = "CUDA" if facts["device"] != "cpu" else "CPU"
-    return f"on the {kind} {facts['device_name']} in {facts['precision']}"
+def _arithmetic(info: dict[str, Any]) -> str:
+    kind = "CUDA" if info["device"] != "cpu" else "CPU"
+    return f"on the {kind} {info['device_name']} in {info['precision']}"
 
 
-def _versions(facts: dict[str, Any]) -> str:
-    return f"warpsph {facts['version']} with Warp {facts['warp']}"
+def _versions(info: dict[str, Any]) -> str:
+    return f"warpsph {info['version']} with Warp {info['warp']}"

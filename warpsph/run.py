@@ -3,37 +3,20 @@
 from pathlib import Path
 from typing import Any
 
-from . import footprint
+from . import footprint, origin
 from . import frames as drawn
+from .errors import InputError
 from .guards import Action
-from .info import read_summary
 from .job import Job
 from .messages import files, restarts, stops
 from .progress import Progress
 from .scene import Scene
 from .signals import Stop, listening
 from .solver import Solver
-from .storage import atomic, checkpoint, facts, folder, lock
+from .storage import atomic, checkpoint, folder, lock
 from .storage import summary as summaries
 from .storage.writer import PENDING
 from .walltime import Deadline
-
-NEEDED = {
-    "time": facts.not_negative, "until": facts.positive, "row_time": facts.finite, "device": facts.text, "precision": facts.text,
-    "device_name": facts.text, "version": facts.text, "warp": facts.text, "solver": facts.record, "balance": facts.record,
-    "parameters": facts.record, "job": facts.record, "frames": facts.truth,
-}  # fmt: skip
-"""Facts of a checkpoint that a run goes on from, and what they have to be."""
-
-OF_JOB = {
-    "interval": facts.positive, "row_interval": facts.positive, "ends": facts.numbers, "due": facts.natural,
-    "next_snapshot": facts.natural, "next_row": facts.not_negative, "neighbours": facts.numbers, "peaks": facts.record,
-    "remarks": facts.texts, "wall": facts.not_negative, "step_wall": facts.not_negative,
-}  # fmt: skip
-"""Those of its `Job`."""
-
-SHORTEST = 1e-9
-"""Shortest interval of outputs, as a share of the end time."""
 
 
 def run(
@@ -150,9 +133,8 @@ def resume(
     with listening() as stop, lock.held(out, progress.message):
         folder.tidy(out)
         source = out / "scene.py"
-        found = checkpoint.load_newest(out)
+        found = origin.checked(checkpoint.load_newest(out))
         info = found.info
-        _check(found)
         if checkpoint.digest(source) != info["scene_sha256"]:
             raise restarts.scene_changed(source)
         end = info["until"] if until is None else until
@@ -174,15 +156,18 @@ def resume(
                 job.go_on(found)
             except (LookupError, TypeError, AttributeError, OverflowError) as error:
                 raise files.damaged(found.path, checkpoint.FORM, error) from error
+            del found, info  # a copy of the state, which memory was not asked for
             solver.watch.change(energy_limit, on_trouble)
             summary = job.finish()
         return _with_frames(out, summary, frames, stop, deadline)
 
 
 def _summary_of_the_end(out: Path) -> dict[str, Any] | None:
-    """The summary of a run that is done; None if it was ended before it was written."""
-    path = out / summaries.NAME
-    summary = read_summary(path) if path.is_file() else {}
+    """The summary of a run that is done; None if it was ended before it was written, or it cannot be read."""
+    try:
+        summary = summaries.read(out / summaries.NAME)
+    except InputError:
+        return None
     return summary if summary.get("outcome") == "done" else None
 
 
@@ -195,23 +180,3 @@ def _with_frames(
     if frames:
         drawn.draw(out, summary, deadline)
     return summary
-
-
-def _check(found: checkpoint.Found) -> None:
-    """Check the facts of a checkpoint that a run goes on from.
-
-    Raises:
-        InputError: If one is missing or of a wrong type.
-    """
-    try:
-        facts.check(found.info, NEEDED)
-        facts.check(found.info["job"], OF_JOB)
-        if found.info["job"].keys() != OF_JOB.keys():
-            raise ValueError("its job has facts that no job has")
-        if (
-            min(found.info["job"]["interval"], found.info["job"]["row_interval"])
-            < SHORTEST * found.info["until"]
-        ):
-            raise ValueError("its outputs have no end")
-    except ValueError as error:
-        raise files.damaged(found.path, checkpoint.FORM, error) from None

@@ -193,11 +193,13 @@ class Scene:
         Raises:
             InputError: If a value is not allowed, or no particle lies in the shape.
         """
-        if not isinstance(name, str) or not name or name in self.bodies:
+        if not checks.is_name(name) or name in self.bodies:
             raise checks.refuse(
                 "name of a body",
                 name,
-                f"a text other than {', '.join(self.bodies)}" if self.bodies else "a text",
+                f"a printable text other than {', '.join(self.bodies)}"
+                if self.bodies
+                else "a printable text",
             )
         x, cell = self._particles(name, shape, lattice)
         material = self._material(name, material)
@@ -314,12 +316,13 @@ class Scene:
             peak: Report the largest number so far; it is looked at some 200 times a run, for the history.
 
         Raises:
-            InputError: If the name is in use or the function cannot be called.
+            InputError: If the name is in use, name or unit cannot be printed, or the function cannot be called.
         """
-        if not isinstance(name, str) or not name or name in self.measures:
-            raise checks.refuse(
-                "name of a measure", name, f"a text other than {', '.join(self.measures) or 'the empty one'}"
-            )
+        if not checks.is_name(name) or name in self.measures:
+            others = f" other than {', '.join(self.measures)}" if self.measures else ""
+            raise checks.refuse("name of a measure", name, f"a printable text{others}")
+        if unit and not checks.is_name(unit):
+            raise checks.refuse(f"unit of measure {name!r}", unit, "a printable text")
         if not callable(function):
             raise checks.refuse(f"function of measure {name!r}", function, "a function of a State")
         self.measures[name] = Measure(function, unit, peak)

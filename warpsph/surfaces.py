@@ -143,16 +143,6 @@ def _outward(surface: "pyvista.PolyData", name: str) -> "pyvista.PolyData":
     return surface if volume > 0 else pyvista.PolyData.from_regular_faces(surface.points, faces[:, ::-1])
 
 
-def _merged(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Different points, shape [k, 3], and which of them each point is, shape [n]."""
-    order = np.lexsort(points.T)
-    first = np.ones(len(points), dtype=bool)
-    first[1:] = (points[order[1:]] != points[order[:-1]]).any(axis=1)
-    place = np.empty(len(points), dtype=np.int64)
-    place[order] = np.cumsum(first) - 1
-    return points[order[first]], place
-
-
 def _edges(surface: "pyvista.PolyData") -> np.ndarray:
     """From which point to which the edges of each triangle run, shape [3 * triangles, 2]."""
     faces = surface.regular_faces.astype(np.int64)

@@ -7,6 +7,7 @@ from typing import Any
 
 import warp as wp
 
+from warpsph.checks import is_name
 from warpsph.kernels.material import DamageId, make_material
 from warpsph.kernels.spec import Spec
 from warpsph.messages import values
@@ -48,8 +49,8 @@ class Material:
         Raises:
             InputError: Naming the field, its value and what is allowed.
         """
-        if not isinstance(self.name, str) or not self.name:
-            raise values.refuse("material: name", self.name, "a non-empty text")
+        if not is_name(self.name):
+            raise values.refuse("material: name", self.name, "a printable text, not empty")
         owner = f"material {self.name!r}"
         object.__setattr__(self, "density", number(owner, "density", self.density, "positive"))
         for name, kind in (("eos", Eos), ("strength", Strength)):

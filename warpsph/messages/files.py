@@ -22,6 +22,11 @@ def damaged(path: Path, form: str, error: Exception) -> InputError:
     return InputError(f"{path} is damaged or no {form} ({reason or type(error).__name__})")
 
 
+def in_the_series(error: InputError) -> InputError:
+    """A snapshot that a run has written before, and that its index has to name, is damaged."""
+    return InputError(f"{error}; move it away to go on without it")
+
+
 def unreadable(path: Path, form: str, error: Exception) -> InputError:
     """A file of text that is missing, not plain, or not text."""
     reason = getattr(error, "strerror", None) or str(error)

@@ -4,9 +4,10 @@ import errno
 import os
 from pathlib import Path
 
-from warpsph.errors import DiskError, InputError
+from warpsph.errors import DiskError, Ended, InputError
 
 from .machine import size
+from .values import printable
 
 REMEDIES = {
     errno.ENOSPC: "free some space",
@@ -19,12 +20,13 @@ REMEDIES = {
     errno.ENOTDIR: "bring its folder back",
     errno.EISDIR: "move the folder of that name away",
     errno.EIO: "see to the disk",
+    errno.ENAMETOOLONG: "use a shorter name",
     errno.ESTALE: "mount the file system again",
 }
 """What a user can do about a failure of the file system."""
 
 FOREIGN = (PermissionError, FileExistsError, FileNotFoundError, NotADirectoryError, IsADirectoryError)
-"""Failures that another folder on the command line would put right."""
+"""Failures that are those of a name."""
 
 
 def in_the_way(out: Path, file: Path) -> InputError:
@@ -39,9 +41,14 @@ def no_permission(out: Path, parent: Path) -> InputError:
     )
 
 
+def is_by_name(error: OSError) -> bool:
+    """Whether a failure of the file system is one that another name on the command line would put right."""
+    return isinstance(error, FOREIGN) or error.errno in (errno.ENAMETOOLONG, errno.ELOOP)
+
+
 def no_folder(folder: Path, error: OSError) -> InputError | DiskError:
     """An output folder cannot be made or written."""
-    if not isinstance(error, FOREIGN):
+    if not is_by_name(error):
         return unwritten(folder, error)
     return InputError(
         f"output folder {folder} cannot be written: {error.strerror or error}; use another --out"
@@ -92,10 +99,14 @@ def unwritten(path: Path | str, error: OSError) -> DiskError:
     )
 
 
-def stopped(error: DiskError, last: Path | None, out: Path, goes_on: bool) -> DiskError:
-    """A run stopped since output could not be written: what is there, and whether there is a checkpoint to go on from."""
+def stopped(error: DiskError, ended: Ended | None, last: Path | None, out: Path, goes_on: bool) -> DiskError:
+    """A run stopped since output could not be written: what is there, and whether there is a checkpoint to go on from.
+
+    ``ended``: what had asked it to stop anyway.
+    """
+    before = f"{ended}, but " if ended else ""
     then = f"`warpsph resume {out}` goes on" if goes_on else "start the run anew with --force"
-    return DiskError(f"{error}; last snapshot: {last or 'none'}; then {then}")
+    return DiskError(f"{before}{error}; last snapshot: {last or 'none'}; then {then}")
 
 
 def no_frames(error: DiskError, out: Path) -> DiskError:
@@ -115,7 +126,7 @@ def who(holder: dict) -> str:
     """The process that a lock file names."""
     if not {"host", "pid", "since"} <= set(holder):
         return "another process"
-    return f"process {holder['pid']} on {holder['host']}, there since {holder['since']}"
+    return printable(f"process {holder['pid']} on {holder['host']}, there since {holder['since']}")
 
 
 def _left(path: Path, error: OSError) -> str:

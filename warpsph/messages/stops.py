@@ -94,6 +94,14 @@ def _stopped(culprit: "Culprit", what: str, advice: str) -> RunError:
     return RunError(f"stopped at t = {culprit.time:.6g} s, step {culprit.step}: {culprit}: {what}; {advice}")
 
 
+def measure_failed(name: str, time: float, error: Exception) -> RunError:
+    """A measure of the scene raised something, or gave no number, at a time [s]."""
+    what = f"{type(error).__name__}: {error}"
+    return RunError(
+        f"measure {name!r} failed at t = {time:.6g} s: {what}; mend its function in the scene and run that anew"
+    )
+
+
 def stopped(cause: RunError, lost: Exception | None, last: Path | None) -> RunError:
     """A run stopped: why, what of it could not be written besides, and the last snapshot to look at."""
     besides = f"; besides, {lost}" if lost is not None else ""

@@ -32,13 +32,18 @@ class Found(NamedTuple):
         arrays: As they were saved.
         info: The facts, as they were saved.
         path: Where it lies.
-        remarks: What the user is to be told: that a newer one is damaged, and how.
+        causes: Why newer ones cannot be read.
     """
 
     arrays: dict[str, np.ndarray]
     info: dict
     path: Path
-    remarks: list[str]
+    causes: list[str]
+
+    @property
+    def remarks(self) -> list[str]:
+        """What the user is to be told: that a newer one is damaged, and how."""
+        return [remarks.older_checkpoint(cause, self.path, self.info["time"]) for cause in self.causes]
 
 
 def save(path: Path, arrays: dict[str, np.ndarray], info: dict, keep: Path | None = None) -> None:
@@ -91,7 +96,7 @@ def save_newest(folder: Path, arrays: dict[str, np.ndarray], info: dict) -> None
     The new file is whole on the disk before either is renamed: at any instant one of the two names is a whole checkpoint.
 
     Raises:
-        RunError: If it cannot be written; the older ones are there.
+        DiskError: If it cannot be written; the older ones are there.
     """
     save(folder / NEWEST, arrays, info, keep=folder / PREVIOUS)
 
@@ -109,7 +114,7 @@ def load_newest(folder: Path) -> Found:
         except InputError as error:
             causes.append(str(error))
             continue
-        return Found(arrays, info, path, [remarks.older_checkpoint(c, path, info["time"]) for c in causes])
+        return Found(arrays, info, path, causes)
     raise restarts.no_whole_checkpoint(causes) if causes else restarts.no_checkpoint(folder, NEWEST)
 
 
@@ -119,7 +124,7 @@ def go_on_from(path: Path) -> None:
     Where this is the previous one, a newest one that is there gets a name of its own.
 
     Raises:
-        RunError: If it cannot be renamed.
+        DiskError: If it cannot be renamed.
     """
     newest = path.with_name(NEWEST)
     if path.name == PREVIOUS and newest.is_file():

@@ -4,7 +4,7 @@ A rule takes a value from JSON, gives it back as its reader wants it, and raises
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 Rule = Callable[[Any], Any]
@@ -26,6 +26,12 @@ def check(facts: Mapping[str, Any], rules: Mapping[str, Rule]) -> dict[str, Any]
         except TypeError as error:
             raise ValueError(f"{name} is not {error}") from None
     return checked
+
+
+def number(value: Any) -> float:
+    """A number, which may be infinite or none: what has become of a state that is not finite."""
+    fits = type(value) is float or (type(value) is int and _is_finite(value))
+    return float(_must(fits, value, "a number"))
 
 
 def finite(value: Any) -> float:
@@ -60,19 +66,37 @@ def text(value: Any) -> str:
     return _must(isinstance(value, str) and value.isprintable(), value, "a printable text")
 
 
-def texts(value: Any) -> list[str]:
-    """A list of texts."""
-    return [text(item) for item in _must(isinstance(value, list), value, "a list of texts")]
-
-
-def numbers(value: Any) -> list[float]:
-    """A list of finite numbers."""
-    return [finite(item) for item in _must(isinstance(value, list), value, "a list of numbers")]
-
-
 def record(value: Any) -> dict[str, Any]:
     """Facts by name."""
     return _must(isinstance(value, dict), value, "a record")
+
+
+def record_of(rules: Mapping[str, Rule]) -> Rule:
+    """Facts that there are rules for; others are left out."""
+    return lambda value: check(record(value), rules)
+
+
+def each(rule: Rule, names: Collection[str] | None = None) -> Rule:
+    """Facts by name, all by one rule; None: by any name."""
+
+    def apply(value: Any) -> dict[str, Any]:
+        fits = names is None or set(record(value)) <= set(names)
+        return {
+            name: rule(inner)
+            for name, inner in record(_must(fits, value, "a record of names that there are")).items()
+        }
+
+    return apply
+
+
+def many(rule: Rule) -> Rule:
+    """A list of facts, all by one rule."""
+    return lambda value: [rule(item) for item in _must(isinstance(value, list), value, "a list")]
+
+
+def optional(rule: Rule) -> Rule:
+    """Null, or a fact by a rule."""
+    return lambda value: None if value is None else rule(value)
 
 
 def one_of(*choices: int) -> Rule:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from warpsph.messages import output, restarts
 
-from . import lock
+from . import atomic, lock
 
 NEWEST, PREVIOUS, DAMAGED = "checkpoint.h5", "checkpoint_previous.h5", "checkpoint_damaged.h5"
 """The last checkpoint of a run, the one before, and one that was found damaged when the run went on."""
@@ -26,7 +26,10 @@ def check(out: Path, force: bool) -> None:
     Raises:
         InputError: It is a file, holds something besides a lock (unless ``force``), is in use, or cannot be written.
     """
-    parent = next(folder for folder in (out, *out.absolute().parents) if folder.exists())
+    try:
+        parent = next(folder for folder in (out, *out.absolute().parents) if folder.exists())
+    except OSError as error:  # a name that no file system takes
+        raise output.no_folder(out, error) from error
     if not parent.is_dir():
         raise output.in_the_way(out, parent)
     if not os.access(parent, os.W_OK | os.X_OK):
@@ -73,10 +76,14 @@ def prepare(out: Path, force: bool) -> None:
 
 
 def tidy(out: Path) -> None:
-    """Remove what a killed run was about to write: files that had no name yet."""
+    """Remove what a killed run was about to write: files that had no name yet.
+
+    Raises:
+        DiskError: If that is not possible.
+    """
     for folder in (out, out / "snapshots", out / "frames"):
         for part in folder.glob(".*.part"):
-            part.unlink(missing_ok=True)
+            atomic.remove(part)
 
 
 def check_run(out: Path) -> None:

@@ -14,8 +14,13 @@ from typing import TextIO
 
 from warpsph.messages import output
 
+from . import text
+
 NAME = "run.lock"
 """The file: JSON of ``host``, ``pid`` and ``since`` of the process that writes into the folder."""
+
+LONGEST = 2**12
+"""Longest file that is read [bytes]."""
 
 MOMENT = 1.0
 """Longest time between locking the file and writing into it [s], for a message that names the holder."""
@@ -145,8 +150,8 @@ def _is_in_place(file: TextIO, path: Path) -> bool:
 def _read(path: Path) -> dict:
     """Who a lock file names; empty if it cannot be told, as while it is being written."""
     try:
-        found = json.loads(path.read_bytes())
-    except (OSError, ValueError):
+        found = json.loads(text.read(path, "lock", LONGEST))
+    except (ValueError, RecursionError):
         return {}
     return found if isinstance(found, dict) else {}
 

@@ -8,12 +8,15 @@ Time, step, scene, names, spacing and smoothing length are field data, and facts
 import json
 import math
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from warpsph.errors import InputError
 from warpsph.fields import BY_NAME, FIELDS, Field
+from warpsph.messages import files
 from warpsph.scalars import KERNEL_TYPES
 from warpsph.state import State
 
@@ -32,8 +35,8 @@ FACTS = {
     "spacing": facts.positive,
     "h": facts.positive,
     "scene": facts.text,
-    "bodies": facts.texts,
-    "materials": facts.texts,
+    "bodies": facts.many(facts.text),
+    "materials": facts.many(facts.text),
 }
 """What is said about a snapshot, by the names of `State`, and what it has to be."""
 
@@ -110,47 +113,63 @@ def find(folder: Path) -> list[Path]:
     )
 
 
-def drop(folder: Path, first: int) -> None:
+def times(folder: Path, end: float = math.inf) -> dict[str, float]:
+    """Times of the snapshots of a run [s], by their names.
+
+    Args:
+        folder: As for `find`.
+        end: Only snapshots with lower numbers count.
+
+    Raises:
+        InputError: If one of them is damaged; says what to do with it.
+    """
+    found = {}
+    for path in find(folder):
+        if _number(path) < end:
+            try:
+                found[path.name] = time(path)
+            except InputError as error:
+                raise files.in_the_series(error) from None
+    return found
+
+
+def drop(folder: Path, first: int, kept: Mapping[str, float]) -> None:
     """Remove the snapshots from a number on; the index loses them first, so that it never names one too many.
 
     Args:
         folder: As for `find`.
         first: The lowest number to go.
+        kept: What `times` gives for the others.
 
     Raises:
-        InputError: If a snapshot that is kept is damaged.
-        RunError: If the index cannot be written.
+        DiskError: If the index cannot be written, or a snapshot not removed.
     """
     later = [path for path in find(folder) if _number(path) >= first]
     if later:
-        series(folder, end=first)
+        series(folder, kept)
     for path in later:
         atomic.remove(path)
 
 
-def series(folder: Path, times: dict[str, float] | None = None, end: float = math.inf) -> Path | None:
+def series(folder: Path, times: Mapping[str, float]) -> Path | None:
     """Write the index ``NAME.vtkhdf.series`` that ParaView opens as one animation.
 
     Args:
         folder: As for `find`.
-        times: Times [s] by name of snapshots read before; those of others are read and noted here.
-        end: Only snapshots with lower numbers are named.
+        times: Times [s] by name of the snapshots that it is to name; those that are gone are left out. None is read.
 
     Returns:
         The index, or None if there is no snapshot yet.
 
     Raises:
-        InputError: If a snapshot is damaged.
         DiskError: If the index cannot be written.
     """
-    paths = [path for path in find(folder) if _number(path) < end]
+    paths = [path for path in find(folder) if path.name in times]
     if not paths:
         return None
-    times = {} if times is None else times
-    times |= {path.name: time(path) for path in paths if path.name not in times}
-    files = [{"name": path.name, "time": times[path.name]} for path in paths]
+    entries = [{"name": path.name, "time": times[path.name]} for path in paths]
     index = paths[0].with_name(paths[0].stem.rpartition("_")[0] + ".vtkhdf.series")
-    atomic.write(index, json.dumps({"file-series-version": "1.0", "files": files}, indent=1).encode())
+    atomic.write(index, json.dumps({"file-series-version": "1.0", "files": entries}, indent=1).encode())
     return index
 
 

@@ -13,7 +13,9 @@ import numpy as np
 
 from warpsph import cli
 from warpsph.errors import InputError
-from warpsph.storage import checkpoint, history, snapshot
+from warpsph.storage import checkpoint, folder
+
+from . import whole
 
 SCENE = '''"""Two balls."""
 
@@ -60,7 +62,7 @@ class Bench:
 
     def go_on(self, out: Path) -> tuple[int, str]:
         """Go on from the checkpoint, or start anew where there is none; gives exit code and stderr."""
-        if any(out.glob("checkpoint*.h5")):
+        if folder.checkpoints(out):
             return command("resume", out, "--threads", "1", *self._pictures())
         return self.run(out, "--force")
 
@@ -75,7 +77,7 @@ class Bench:
         for path in sorted(path for path in out.rglob("[!.]*") if path.is_file()):
             try:
                 self._check(path)
-            except (InputError, OSError, ValueError) as error:
+            except (InputError, OSError, ValueError, SyntaxError) as error:
                 found.append(f"{path.relative_to(out)}: {error}")
         return found
 
@@ -85,30 +87,12 @@ class Bench:
         Raises:
             ValueError: Or another error if it is not whole.
         """
+        whole.check(path)
+        if path.name == "history.csv" and not path.read_bytes().endswith(b"\n"):
+            raise ValueError("ends in the middle of a row")
         if path.suffix == ".vtkhdf":
-            snapshot.read(path)
             if path.read_bytes() != (self._whole / "snapshots" / path.name).read_bytes():
                 raise ValueError("differs from that of the unharmed run")
-        elif path.suffix == ".h5":
-            checkpoint.load(path)
-        elif path.name == "history.csv":
-            if not path.read_bytes().endswith(b"\n"):
-                raise ValueError("ends in the middle of a row")
-            history.read(path)
-        elif path.suffix == ".series":
-            missing = [
-                entry["name"]
-                for entry in json.loads(path.read_text())["files"]
-                if not path.with_name(entry["name"]).is_file()
-            ]
-            if missing:
-                raise ValueError(f"names {missing[0]}, which is not there")
-        elif path.suffix == ".json":
-            json.loads(path.read_text())
-        elif path.suffix == ".png":
-            from PIL import Image
-
-            Image.open(path).load()
 
     def difference(self, out: Path) -> str | None:
         """The first thing in which a run that has ended differs from the unharmed one; None if nothing does."""

@@ -43,6 +43,7 @@ MENDED = (
     "sums of a state with infinities of both signs ended a resumed run with a traceback",
     "a pipe in place of a history held the program up",
     "control characters in names of bodies and in messages reached the terminal, and dollar signs were taken for formulas",
+    "facts of a checkpoint within others, of its ledger and guards, were taken as they came: tracebacks in mid-run",
     "a mesh that encloses nothing passed, all its triangles being there twice",
 )
 """What this trial, or what was tried on the way to it, found wrong."""

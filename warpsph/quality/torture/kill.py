@@ -9,11 +9,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from warpsph.errors import InputError
-from warpsph.storage import checkpoint, history, snapshot
+from warpsph.storage import checkpoint, folder, snapshot
 
+from . import whole
 from .child import SCENE, Child, command
 from .trial import Findings, Means
 
@@ -48,7 +47,7 @@ class Case:
 
 
 CASES = (
-    Case("138 particles, 20 outputs", ("--snapshots", "20", "--no-frames"), 24, 3),
+    Case("138 particles, 20 outputs", ("--snapshots", "20", "--no-frames"), 24, 2),
     Case("8842 particles, 15 outputs", ("--spacing", "1.2e-4", "--until", "3e-7", "--snapshots", "15", "--no-frames"), 18),
     Case("138 particles, 4 outputs and frames", ("--snapshots", "4"), 8),
 )  # fmt: skip
@@ -114,7 +113,7 @@ class _Trial:
     def one_run(self, out: Path) -> Iterator[str]:
         """Start a run, kill it and go on with it until it ends; says of each kill when it came."""
         while True:
-            goes_on = any(out.glob("checkpoint*.h5"))
+            goes_on = bool(folder.checkpoints(out))
             if not goes_on and out.exists():
                 self.refused(out)
             begun = time.time()
@@ -148,7 +147,9 @@ class _Trial:
         files = [path for path in out.rglob("*") if path.is_file() and not path.name.startswith(".")]
         for path in files:
             try:
-                _read(path)
+                whole.check(path)
+                if path.name == "scene.py" and path.read_text() != SCENE:
+                    raise ValueError("it is not the scene")
             except (InputError, ValueError, OSError, SyntaxError) as error:
                 self.failed.append(
                     f"{self.case.name}: after a kill {path.relative_to(out)} is broken: {error}"
@@ -188,40 +189,6 @@ def _is_done(out: Path) -> bool:
     return path.is_file() and json.loads(path.read_text())["outcome"] == "done"
 
 
-def _read(path: Path) -> None:
-    """Read a file of a run from end to end.
-
-    Raises:
-        InputError, ValueError, OSError: If it is not whole.
-    """
-    if path.suffix == ".vtkhdf":
-        snapshot.read(path)
-    elif path.suffix == ".h5":
-        checkpoint.load(path)
-    elif path.suffix == ".csv":
-        history.read(path)
-    elif path.suffix == ".series":
-        missing = [
-            e["name"] for e in json.loads(path.read_text())["files"] if not (path.parent / e["name"]).exists()
-        ]
-        if missing:
-            raise ValueError(f"names {missing[0]}, which is not there")
-    elif path.suffix == ".json":
-        json.loads(path.read_text())
-    elif path.suffix == ".png":
-        _picture(path)
-    elif path.name == "scene.py" and path.read_text() != SCENE:
-        raise ValueError("is not the scene")
-
-
-def _picture(path: Path) -> bytes:
-    """The pixels of a picture."""
-    from PIL import Image
-
-    with Image.open(path) as picture:
-        return np.asarray(picture).tobytes()
-
-
 def _contents(out: Path) -> dict[str, object]:
     """What a run has left, by file, without times of the clock."""
     found: dict[str, object] = {}
@@ -240,7 +207,7 @@ def _contents(out: Path) -> dict[str, object]:
                 {key: value.tobytes() for key, value in state.fields.items()},
             )
         else:
-            found[name] = _picture(path) if path.suffix == ".png" else path.read_bytes()
+            found[name] = whole.picture(path) if path.suffix == ".png" else path.read_bytes()
     return found
 
 
