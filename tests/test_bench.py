@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 import warp as wp
 
-from warpsph import cli, memory
+from warpsph import cli
+from warpsph.device.launch import Launcher
 from warpsph.errors import InputError
 from warpsph.info import table
 from warpsph.kernels.ceilings import CHAINS, WIDTH, make_ceilings
-from warpsph.launch import Launcher
+from warpsph.memory.usage import of_search, usage
 from warpsph.quality import bench, block, ceilings, performance, report, series, startup, trial
 from warpsph.quality.stopwatch import REST, ROWS, kernel_times, one_by_one, short_name
 from warpsph.quality.traffic import LOOPS, touched_by
@@ -96,10 +97,10 @@ def test_kernels_of_the_ceilings_do_what_is_counted(precision):
 
 def test_memory_is_counted_array_by_array():
     solver = Solver(block.block(3, 1000).finalize(), precision="float32")
-    found, n = memory.usage(solver), solver.particles.n
+    found, n = usage(solver), solver.particles.n
     assert found["neighbours.x_listed"] == 12 * n
-    assert memory.of_search(found) > found["neighbours.block"] + 12 * n
-    assert sum(found.values()) > memory.of_search(found) + 200 * n
+    assert of_search(found) > found["neighbours.block"] + 12 * n
+    assert sum(found.values()) > of_search(found) + 200 * n
 
 
 def test_arrays_that_a_kernel_is_launched_with():

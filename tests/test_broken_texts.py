@@ -10,10 +10,12 @@ import pytest
 from states import impact
 from tools import body, jittered
 
-from warpsph import blocks, info, library, origin, plot, scalars
+from warpsph import info, library, plot, scalars
+from warpsph.device import blocks
 from warpsph.drawing import look
 from warpsph.errors import InputError
 from warpsph.quality.torture.mutations import ODD
+from warpsph.running import origin
 from warpsph.storage import checkpoint, history, text
 
 

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import warpsph
-from warpsph import cli, info, walltime
+from warpsph import cli, info
 from warpsph.errors import DiskError, Ended, InputError, RunError
+from warpsph.running import walltime
 from warpsph.state import State
 from warpsph.storage import folder, snapshot
 

@@ -7,8 +7,8 @@ from tools import DOUBLE, collision, scene
 
 from warpsph import solver
 from warpsph.config import Contact, Conversion
+from warpsph.device.launch import Launcher
 from warpsph.kernels.constitutive import laws_text, make_constitutive
-from warpsph.launch import Launcher
 from warpsph.shapes import Box
 from warpsph.solver import Solver
 

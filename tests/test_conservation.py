@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from tools import DENSITY, ELASTIC, FLUID, REALS, SPACING, by_id, collision, jittered, run, scene
 
-from warpsph.balance import Balance, energy
 from warpsph.config import Contact, Conversion
+from warpsph.running.balance import Balance, energy
 from warpsph.schemes import SCHEMES, LagrangianSettings
 from warpsph.shapes import Box
 from warpsph.solver import Solver

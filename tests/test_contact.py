@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from tools import ELASTIC, REALS, SPACING, by_id, collision, run, scene
 
-from warpsph.balance import Balance, energy
 from warpsph.config import Contact
 from warpsph.kernels.parts import PARTS
+from warpsph.running.balance import Balance, energy
 from warpsph.shapes import Box
 from warpsph.solver import Solver
 

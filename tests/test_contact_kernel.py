@@ -14,7 +14,7 @@ from warpsph.kernels.kernel_type import ERODED
 from warpsph.kernels.mirror import INDEX_BITS
 from warpsph.kernels.parts import CONTACT, PARTS, part_types
 from warpsph.kernels.smoothing import make_smoothing
-from warpsph.penetration import interpenetration
+from warpsph.watching.penetration import interpenetration
 
 MODULUS = np.array([80e9, 30e9])
 STIFFNESS = 0.25

@@ -5,8 +5,8 @@ import pytest
 import warp as wp
 from tools import REALS, by_id, collision, run
 
-from warpsph.balance import energy
 from warpsph.config import Contact, Conversion
+from warpsph.running.balance import energy
 from warpsph.schemes import SCHEMES
 from warpsph.solver import Solver
 

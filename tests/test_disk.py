@@ -13,13 +13,15 @@ import pytest
 import warp as wp
 from tools import collision
 
-from warpsph import cli, compilation, footprint, streams
+from warpsph import cli
+from warpsph.device import compilation
 from warpsph.drawing import movie
 from warpsph.errors import DiskError, InputError, RunError
 from warpsph.progress import Progress
 from warpsph.quality.torture import disk, faults
 from warpsph.quality.torture.trial import Means
 from warpsph.run import run as run_scene
+from warpsph.running import footprint, streams
 from warpsph.solver import Solver
 from warpsph.storage import atomic, checkpoint, folder, history, snapshot
 

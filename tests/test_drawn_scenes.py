@@ -5,7 +5,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from tools import FLUID, SPACING, by_id, jittered, overwrite, scene
 
-from warpsph.balance import Balance
 from warpsph.config import Conversion
 from warpsph.errors import InputError
 from warpsph.quality.torture import scenes
@@ -13,6 +12,7 @@ from warpsph.quality.torture.drawing import COMMON, drawn_scenes
 from warpsph.quality.torture.drawn import DrawnBody, DrawnMaterial, DrawnScene
 from warpsph.quality.torture.judging import judge
 from warpsph.quality.torture.trial import Means
+from warpsph.running.balance import Balance
 from warpsph.shapes import Box
 from warpsph.solver import Solver
 

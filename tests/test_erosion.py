@@ -9,10 +9,10 @@ from test_reference import dense
 from tools import SPACING, by_id, jittered, one_step, overwrite, run, scene
 
 from warpsph import materials as lib
-from warpsph.balance import Balance
 from warpsph.config import Contact
 from warpsph.errors import InputError
 from warpsph.kernels.kernel_type import ERODED, LAGRANGIAN
+from warpsph.running.balance import Balance
 from warpsph.shapes import Box
 from warpsph.solver import Solver
 

@@ -8,17 +8,17 @@ import warp as wp
 from tools import ELASTIC, REALS, SPACING, body, by_id, forces, jittered, scene
 
 from warpsph import materials as lib
-from warpsph.balance import Balance
 from warpsph.errors import InputError
 from warpsph.kernels.spec import Spec
 from warpsph.kernels.timestep import NON_FINITE
-from warpsph.magnitudes import check_magnitudes
 from warpsph.quality.torture import extreme
 from warpsph.quality.torture.trial import Means
+from warpsph.running.balance import Balance
 from warpsph.scene import Scene
 from warpsph.shapes import Box
 from warpsph.solver import PRECISIONS, Solver
-from warpsph.trouble import explain
+from warpsph.watching.magnitudes import check_magnitudes
+from warpsph.watching.trouble import explain
 
 
 def test_what_the_trial_tries_holds(tmp_path):

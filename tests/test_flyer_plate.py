@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from warpsph import balance, library, materials
+from warpsph import library, materials
 from warpsph.errors import InputError
+from warpsph.running import balance
 from warpsph.scenes import flyer_plate
 from warpsph.solver import Solver
 

@@ -11,17 +11,17 @@ import warp as wp
 from tools import SPACING, collision, packed
 
 from warpsph import Guards, InputError, Numerics, RunError, cli
-from warpsph.blocks import Blocks
+from warpsph.device.blocks import Blocks
+from warpsph.device.launch import Launcher
 from warpsph.guards import EXACT, LOSSY, WATCHED
 from warpsph.kernels.guards import COLUMNS, FINDINGS, GUARDS, LAGRANGIAN, SUMS, make_guards
-from warpsph.launch import Launcher
-from warpsph.penetration import cover_at, interpenetration
 from warpsph.quality.torture import guards as trial
 from warpsph.quality.torture.trial import Means
 from warpsph.shapes import Box
 from warpsph.solver import Solver
 from warpsph.storage import checkpoint
-from warpsph.watch import EVERY
+from warpsph.watching.penetration import cover_at, interpenetration
+from warpsph.watching.watch import EVERY
 
 MICRO = 1e-6
 

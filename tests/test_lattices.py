@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from warpsph import available, lattices
+from warpsph import lattices
 from warpsph.errors import InputError
 from warpsph.lattices import Cartesian, CoreAndRings, FaceCentredCubic, Hexagonal, Rings
+from warpsph.memory import available
 from warpsph.overlap import mean_spacing
 from warpsph.shapes import Box, Disc, HalfSpace, Ring, Sphere
 

@@ -8,12 +8,12 @@ import pytest
 import warp as wp
 from tools import DOUBLE, PLASTIC
 
+from warpsph.device.launch import SMALLEST_LIGHT_SLICE, Launcher
+from warpsph.device.team import Team
 from warpsph.errors import InputError
 from warpsph.kernels.constitutive import make_constitutive
 from warpsph.kernels.spec import Spec
-from warpsph.launch import SMALLEST_LIGHT_SLICE, Launcher
 from warpsph.materials import pack
-from warpsph.team import Team
 
 SINGLE = {dim: Spec(dim, wp.float32) for dim in DOUBLE}
 

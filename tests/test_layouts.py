@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from warpsph.device.launch import Launcher
 from warpsph.kernels.layouts import LISTS, Layout
-from warpsph.launch import Launcher
 from warpsph.quality.layouts import (
     Bench,
     Block,

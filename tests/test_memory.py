@@ -11,22 +11,24 @@ import pytest
 import warp as wp
 from tools import PLASTIC, SPACING, by_id, collision, jittered, run, scene
 
-from warpsph import admission, available, census, exhaustion, rows
-from warpsph.block import Block
-from warpsph.cells import FEWEST_CELLS, PER_PARTICLE, count_cells
 from warpsph.config import Contact, Conversion
 from warpsph.errors import InputError, RunError
 from warpsph.fields import FIELDS
 from warpsph.kernels.cells import ALONG, FEWEST
 from warpsph.kernels.ledger import SUMS
 from warpsph.kernels.spec import Spec
-from warpsph.memory import GENEROUS, THRIFTY, usage
-from warpsph.need import AT_HAND, Need
-from warpsph.neighbours import Neighbours
+from warpsph.memory import admission, available, census, exhaustion
+from warpsph.memory.need import AT_HAND, Need
+from warpsph.memory.policy import GENEROUS, THRIFTY
+from warpsph.memory.usage import usage
 from warpsph.particles import Particles
 from warpsph.quality.torture import memory as trial
 from warpsph.quality.torture.trial import Means
 from warpsph.run import run as run_scene
+from warpsph.search import rows
+from warpsph.search.block import Block
+from warpsph.search.cells import FEWEST_CELLS, PER_PARTICLE, count_cells
+from warpsph.search.neighbours import Neighbours
 from warpsph.solver import Solver
 from warpsph.storage import snapshot
 

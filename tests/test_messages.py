@@ -12,7 +12,7 @@ import pytest
 
 from warpsph import errors, messages
 from warpsph.messages import bodies, files, machine, output, remarks, restarts, scripts, stops, values
-from warpsph.trouble import Culprit
+from warpsph.watching.trouble import Culprit
 
 PACKAGE = Path(messages.__file__).parents[1]
 ERRORS = tuple(name for name, thing in vars(errors).items() if inspect.isclass(thing))

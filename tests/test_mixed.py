@@ -7,10 +7,10 @@ import pytest
 import warp as wp
 from tools import ELASTIC, SPACING, body, by_id, collision, jittered, one_step, run, scene
 
-from warpsph.balance import Balance
 from warpsph.config import Contact, Conversion
+from warpsph.device.launch import SMALLEST_SLICE
 from warpsph.kernels.spec import Spec
-from warpsph.launch import SMALLEST_SLICE
+from warpsph.running.balance import Balance
 from warpsph.schemes import SCHEMES, EulerianSettings
 from warpsph.solver import Solver
 from warpsph.storage import checkpoint, snapshot

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from tools import DOUBLE, ELASTIC, REALS, SPACING, body, by_id, collision, jittered, run, scene
 
-from warpsph import cells
 from warpsph.kernels.mirror import INDEX_BITS
+from warpsph.search import cells
 from warpsph.solver import Solver
 
 MARGIN = 1e-5
@@ -51,7 +51,7 @@ def test_where_particles_are_in_memory_changes_nothing_but_rounding(scheme, monk
     """Nothing that one step leaves to the next is forgotten when they are sorted."""
     made, found = collision(scheme=scheme, speed=1000.0, skin=0.1), []
     for every in (2, 10**9):
-        monkeypatch.setattr("warpsph.neighbours.SORT_EVERY", every)
+        monkeypatch.setattr("warpsph.search.neighbours.SORT_EVERY", every)
         found.append(run(made, 3e-6))
     assert found[0].neighbours.builds > 15
     for name, scale in (("x", SPACING), ("v", 1000.0), ("e", 5e5)):

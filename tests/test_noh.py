@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from warpsph import balance, library
+from warpsph import library
 from warpsph.errors import InputError
+from warpsph.running import balance
 from warpsph.scenes import noh
 from warpsph.solver import Solver
 

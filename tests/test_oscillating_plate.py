@@ -5,8 +5,8 @@ import pytest
 from tools import run
 
 from warpsph import library
-from warpsph.balance import energy
 from warpsph.errors import InputError
+from warpsph.running.balance import energy
 from warpsph.scenes import oscillating_plate as plate
 from warpsph.solver import Solver
 

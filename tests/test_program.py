@@ -5,8 +5,8 @@ import pytest
 import warp as wp
 from tools import by_id, collision, run
 
-from warpsph.blocks import FOLDS, Blocks
-from warpsph.program import Program
+from warpsph.device.blocks import FOLDS, Blocks
+from warpsph.device.program import Program
 from warpsph.solver import Solver
 
 SCHEMES = ("sav1-mixed-as", "ts2", "adaptle-as")
@@ -83,7 +83,7 @@ def test_dealt_out_as_on_a_gpu_the_step_is_the_same(monkeypatch, scheme):
     """Minima and maxima know no order: the reductions that a GPU needs, in stages, give the same bits."""
     here = run(collision(3, scheme=scheme), 2e-6)
     monkeypatch.setattr("warpsph.solver.Blocks", lambda n, cuda, most=None: Blocks(n, True, 300))
-    monkeypatch.setattr("warpsph.tiles.HANDS_CPU", 5)
+    monkeypatch.setattr("warpsph.search.tiles.HANDS_CPU", 5)
     dealt = run(collision(3, scheme=scheme), 2e-6)
     assert dealt._step_blocks.folds == FOLDS and dealt.neighbours.tiles.hands == 5
     assert dealt.reading == here.reading

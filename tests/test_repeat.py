@@ -6,8 +6,8 @@ from tools import SPACING, by_id, collision, run
 
 from warpsph import materials as lib
 from warpsph.config import Contact, Conversion
+from warpsph.device.launch import SMALLEST_SLICE
 from warpsph.errors import InputError
-from warpsph.launch import SMALLEST_SLICE
 from warpsph.progress import Progress
 from warpsph.run import resume
 from warpsph.run import run as run_scene

@@ -10,7 +10,7 @@ import pytest
 from test_repeat import SCENE
 from tools import collision
 
-from warpsph import __version__, info, origin
+from warpsph import __version__, info
 from warpsph.errors import InputError
 from warpsph.library import load
 from warpsph.quality.torture import restart
@@ -18,6 +18,7 @@ from warpsph.quality.torture.restart import Stopper, differences
 from warpsph.quality.torture.trial import Means
 from warpsph.run import resume
 from warpsph.run import run as run_scene
+from warpsph.running import origin
 from warpsph.solver import Solver
 from warpsph.storage import checkpoint, history, snapshot
 from warpsph.storage.folder import NEWEST, PREVIOUS

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from warpsph import library
-from warpsph.balance import Balance
+from warpsph.running.balance import Balance
 from warpsph.scenes import rubber_rings as rings
 from warpsph.solver import Solver
 

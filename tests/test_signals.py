@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-from warpsph import frames, library, walltime
+from warpsph import library
 from warpsph.errors import DiskError, Ended, InputError, RunError
 from warpsph.progress import Progress
 from warpsph.quality.torture import faults
@@ -18,10 +18,11 @@ from warpsph.quality.torture.child import SCENE
 from warpsph.quality.torture.trial import Means
 from warpsph.run import resume
 from warpsph.run import run as run_scene
-from warpsph.signals import listening
+from warpsph.running import frames, walltime
+from warpsph.running.signals import listening
+from warpsph.running.walltime import Deadline, parse
 from warpsph.solver import Solver
 from warpsph.storage import checkpoint, history, snapshot
-from warpsph.walltime import Deadline, parse
 
 BOTH = (signal.SIGINT, signal.SIGTERM)
 

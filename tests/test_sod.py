@@ -7,7 +7,7 @@ import pytest
 from tools import by_id
 
 from warpsph import library
-from warpsph.balance import energy
+from warpsph.running.balance import energy
 from warpsph.scenes import sod
 from warpsph.solver import Solver
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tools import ELASTIC, SPACING, scene
 
-from warpsph.balance import energy
+from warpsph.running.balance import energy
 from warpsph.schemes import SCHEMES, EulerianSettings, LagrangianSettings
 from warpsph.shapes import Box
 from warpsph.solver import Solver

@@ -5,9 +5,9 @@ import warp as wp
 
 from warpsph import materials as lib
 from warpsph.config import Numerics
+from warpsph.device.launch import Launcher
 from warpsph.fields import BY_NAME, whole
 from warpsph.kernels.spec import Spec
-from warpsph.launch import Launcher
 from warpsph.scene import Scene
 from warpsph.shapes import Box, Disc, Sphere
 from warpsph.solver import Solver

@@ -3,7 +3,7 @@
 import sys
 
 from .errors import Ended
-from .signals import listening
+from .running.signals import listening
 
 
 def main() -> None:

@@ -12,14 +12,16 @@ from typing import Annotated, Any, Literal, NoReturn
 
 from cyclopts import App, CycloptsError, Group, Parameter, UnusedCliTokensError
 
-from . import __version__, exhaustion, library, streams
-from . import walltime as wall
+from . import __version__, library
 from .errors import DiskError, Ended, InputError, RunError
 from .library import SceneFile
+from .memory import exhaustion
 from .messages import machine, output, scripts, values
 from .messages.values import printable
 from .progress import Progress, quiet_warp
-from .signals import listening
+from .running import streams
+from .running import walltime as wall
+from .running.signals import listening
 from .storage import folder as output_folder
 
 INPUT, STOPPED, DISK, INTERRUPTED = 2, 3, 4, 130
@@ -452,7 +454,7 @@ def _check_device(device: str, said: str) -> None:
     Raises:
         InputError: If not; adds what Warp ``said`` about the drivers.
     """
-    from .launch import find_device
+    from .device.launch import find_device
 
     try:
         find_device(device)

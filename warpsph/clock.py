@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
-from .blocks import Blocks
+from .device.blocks import Blocks
+from .device.launch import Launcher
 from .kernels.spec import Spec
-from .launch import Launcher
 
 TIME, T_STOP, DT, DT_MIN, DT_MAX, DT_FIRST, WEAR = range(7)
 """Entries of `Clock.clock`."""

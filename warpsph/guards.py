@@ -23,7 +23,7 @@ Corners = tuple[tuple[float, ...], tuple[float, ...]]
 
 @dataclass(frozen=True)
 class Guards:
-    """Limits of a run, each looked at after every `warpsph.watch.EVERY` steps and before every output.
+    """Limits of a run, each looked at after every `warpsph.watching.watch.EVERY` steps and before every output.
 
     A limit of ``math.inf`` is none. A state that is not finite and a time step that has collapsed always end the run;
     what becomes of a particle that turns over (J <= 0) `warpsph.config.Numerics.inverted` says.

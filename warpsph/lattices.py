@@ -12,8 +12,9 @@ from typing import Literal
 
 import numpy as np
 
-from . import available, checks
+from . import checks
 from .checks import vector3
+from .memory import available
 from .messages import bodies, machine, values
 from .shapes import Shape
 

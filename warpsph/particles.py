@@ -5,13 +5,13 @@ from collections.abc import Callable
 import numpy as np
 import warp as wp
 
-from .copies import to_device, to_host
+from .device.copies import to_device, to_host
+from .device.launch import Launcher
 from .fields import BY_NAME, CONSTANT, Field, of_groups, whole
 from .kernels.kernel_type import ERODED, EULERIAN, LAGRANGIAN
 from .kernels.parts import Parts, part_types
 from .kernels.sort import make_sort
 from .kernels.spec import Spec
-from .launch import Launcher
 from .messages import restarts
 from .scene import SceneData
 from .state import InOrder, State

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from types import ModuleType
 from typing import TextIO
 
-from .streams import Dropping
+from .running.streams import Dropping
 from .units import si
 
 LOG_SHARE = 0.1

@@ -3,20 +3,20 @@
 from pathlib import Path
 from typing import Any
 
-from . import footprint, origin
-from . import frames as drawn
 from .errors import InputError
 from .guards import Action
-from .job import Job
 from .messages import files, restarts, stops
 from .progress import Progress
+from .running import footprint, origin
+from .running import frames as drawn
+from .running.job import Job
+from .running.signals import Stop, listening
+from .running.walltime import Deadline
 from .scene import Scene
-from .signals import Stop, listening
 from .solver import Solver
 from .storage import atomic, checkpoint, folder, lock
 from .storage import summary as summaries
 from .storage.writer import PENDING
-from .walltime import Deadline
 
 
 def run(

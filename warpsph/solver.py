@@ -6,33 +6,33 @@ from types import SimpleNamespace
 import numpy as np
 import warp as wp
 
-from .admission import admit
-from .blocks import CUDA_STEP_BLOCKS, Blocks, total
 from .clock import Clock, Reading
-from .compilation import compile_modules, kernels_of
 from .contact import contact_constants
-from .copies import fits, host_shape, make_room, to_device, to_host
+from .device.blocks import CUDA_STEP_BLOCKS, Blocks, total
+from .device.compilation import compile_modules, kernels_of
+from .device.copies import fits, host_shape, make_room, to_device, to_host
+from .device.launch import Command, Launcher
+from .device.program import Program
 from .kernels.kernel_type import ERODED, EULERIAN
 from .kernels.ledger import MAXIMA, SUMS
 from .kernels.sort import make_sort
 from .kernels.spec import Spec
 from .kernels.timestep import COLLAPSED, INSIDE_OUT, NON_FINITE, RUNNING, STALE
-from .launch import Command, Launcher
-from .magnitudes import check_magnitudes
 from .materials import pack
-from .memory import Policy, policy_of
+from .memory.admission import admit
+from .memory.need import estimate
+from .memory.policy import Policy, policy_of
 from .messages import restarts, values
-from .need import estimate
-from .neighbours import Neighbours
 from .particles import Particles
-from .penetration import interpenetration
-from .program import Program
-from .reference import Reference
 from .scene import SceneData
 from .schemes.factory import make_scheme
+from .search.neighbours import Neighbours
+from .search.reference import Reference
 from .state import State
-from .trouble import explain
-from .watch import Watch
+from .watching.magnitudes import check_magnitudes
+from .watching.penetration import interpenetration
+from .watching.trouble import explain
+from .watching.watch import Watch
 
 MAX_BATCH = 32
 """Steps between two readings of the device's clock, at most: the documented synchronisation interval."""
@@ -294,7 +294,7 @@ class Solver:
 
         ``converted_share``: share of all particles that have turned Eulerian; ``eroded``: particles that have left all
         lists; ``inverted``: how often a deformation gradient was not physical; ``interpenetration``: the deepest so
-        far, in spacings (`warpsph.penetration`).
+        far, in spacings (`warpsph.watching.penetration`).
         """
         p, data, found = self.particles, self.data, {}
         if self.reference is not None:
@@ -310,7 +310,7 @@ class Solver:
         return found
 
     def owners(self) -> dict[str, object]:
-        """Everything that holds device arrays as attributes, by name (see `warpsph.memory.usage`)."""
+        """Everything that holds device arrays as attributes, by name (see `warpsph.memory.usage.usage`)."""
         found = {"particles": self.particles, "work": self._work, "clock": self._clock}
         found |= {"neighbours": self.neighbours, "tiles": self.neighbours.tiles}
         found |= {"cells": self.neighbours.cells, "search": self.neighbours.search, "watch": self.watch}

@@ -1,6 +1,6 @@
 """Runs that cannot go on, and runs that were ended: the particle, the cause, what goes on from there.
 
-A particle comes as a `warpsph.trouble.Culprit`, which says when and where it was.
+A particle comes as a `warpsph.watching.trouble.Culprit`, which says when and where it was.
 """
 
 import signal
@@ -12,7 +12,7 @@ from warpsph.errors import Ended, RunError
 from warpsph.units import si
 
 if TYPE_CHECKING:
-    from warpsph.trouble import Culprit
+    from warpsph.watching.trouble import Culprit
 
 TIME_IS_UP = 5
 """Exit code of a run whose wall time was up; what a signal ends has 128 and its number."""

@@ -11,12 +11,12 @@ from typing import Any
 import warp as wp
 
 from warpsph import library
+from warpsph.device.launch import Launcher, find_device
 from warpsph.errors import InputError, RunError
 from warpsph.info import table
-from warpsph.launch import Launcher, find_device
 from warpsph.messages import values
-from warpsph.neighbours import MAX_PARTICLES
 from warpsph.progress import Progress
+from warpsph.search.neighbours import MAX_PARTICLES
 from warpsph.solver import PRECISIONS
 from warpsph.storage import atomic
 

@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import warp as wp
 
+from warpsph.device.launch import Launcher
 from warpsph.kernels.ceilings import CHAINS, make_ceilings
 from warpsph.kernels.spec import Spec
-from warpsph.launch import Launcher
 
 COPIED_CPU, COPIED_CUDA = 1 << 29, 1 << 30
 """Bytes of the array that is copied: more than any cache holds."""

@@ -23,9 +23,9 @@ import numpy as np
 import warp as wp
 
 from warpsph import __version__
-from warpsph.balance import energy
 from warpsph.config import Contact, Conversion, Numerics
-from warpsph.launch import count_cores, find_device
+from warpsph.device.launch import count_cores, find_device
+from warpsph.running.balance import energy
 from warpsph.scene import Scene
 from warpsph.schemes import SCHEMES
 from warpsph.shapes import Box, Disc, Sphere

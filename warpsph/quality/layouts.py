@@ -8,9 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import warp as wp
 
+from warpsph.device.launch import Launcher
 from warpsph.kernels.layouts import GROUP, Layout, make_layouts
 from warpsph.kernels.spec import Spec
-from warpsph.launch import Launcher
 
 SPACING, RATIO, SUPPORT, SKIN, JITTER = 1.0e-3, 1.2, 2.0, 0.4, 0.1
 """The block: spacing [m], h over it, support and skin over h, jitter over the spacing. A particle

@@ -11,9 +11,9 @@ from pathlib import Path
 import warp as wp
 
 from warpsph import __version__
-from warpsph.launch import count_cores
+from warpsph.device.launch import count_cores
+from warpsph.device.processor import processor
 from warpsph.messages import measuring
-from warpsph.processor import processor
 from warpsph.storage import atomic
 
 LIBRARIES = ("warp-lang", "numpy")

@@ -9,8 +9,9 @@ from typing import Any
 
 import warp as wp
 
-from warpsph import library, memory
+from warpsph import library
 from warpsph.kernels.kernel_type import EULERIAN
+from warpsph.memory.usage import of_search, usage
 from warpsph.scene import SceneData
 from warpsph.solver import Solver
 
@@ -87,7 +88,7 @@ def measure(data: SceneData, *, device: str, precision: str, threads: int | None
     n, steps, builds = len(data.x), solver.reading.steps, solver.neighbours.builds
     ns = [_repetition(solver) for _ in range(REPEATS)]
     steps, builds = solver.reading.steps - steps, solver.neighbours.builds - builds
-    used = memory.usage(solver)
+    used = usage(solver)
     eulerian = float((solver.particles.kernel_type.numpy() == EULERIAN).mean())
     last = solver.reading.steps
     spent = kernel_times(solver, lambda: series.advance(solver, STEPS))
@@ -100,7 +101,7 @@ def measure(data: SceneData, *, device: str, precision: str, threads: int | None
         "threads": solver.launcher.threads, "ns_per_particle_step": ns, "particle_steps_per_s": rate,
         "pairs_per_s": rate * pairs.neighbours, "mean_neighbours": pairs.neighbours, "eulerian_share": eulerian,
         "steps_per_rebuild": steps / builds if builds else None, "search_share": spent.get(ROWS, 0.0) / whole,
-        "bytes_per_particle": sum(used.values()) / n, "list_bytes_per_particle": memory.of_search(used) / n,
+        "bytes_per_particle": sum(used.values()) / n, "list_bytes_per_particle": of_search(used) / n,
         "kernels": [
             {"name": name, "ns_per_particle_step": 1e9 * s / (timed * n), "share": s / whole}
             | _rates(models[name], s / timed)

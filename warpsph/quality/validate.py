@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from warpsph import library
+from warpsph.device.launch import find_device
 from warpsph.errors import DiskError, RunError
 from warpsph.info import table
-from warpsph.launch import find_device
 from warpsph.messages import values
 from warpsph.progress import Progress
 from warpsph.run import run

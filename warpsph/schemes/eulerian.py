@@ -3,6 +3,7 @@
 import warp as wp
 
 from warpsph.config import Numerics
+from warpsph.device.launch import Command
 from warpsph.kernels.artificial_stress import make_artificial_stress
 from warpsph.kernels.coupling import Coupling
 from warpsph.kernels.kinematics import make_kinematics
@@ -10,7 +11,6 @@ from warpsph.kernels.momentum_eulerian import PairTerms, make_momentum
 from warpsph.kernels.parts import ARTIFICIAL, VISCOUS
 from warpsph.kernels.spec import Spec
 from warpsph.kernels.viscosity import MORRIS_MIN, make_switches
-from warpsph.launch import Command
 
 from . import EulerianSettings, LagrangianSettings
 from .scheme import Bind, Scheme, Traits, bound

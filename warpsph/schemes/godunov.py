@@ -3,12 +3,12 @@
 import warp as wp
 
 from warpsph.config import Numerics
+from warpsph.device.launch import Command
 from warpsph.kernels.godunov_deviatoric import make_deviatoric
 from warpsph.kernels.godunov_hydrodynamic import Reconstruction, make_hydrodynamic
 from warpsph.kernels.godunov_pm import make_godunov_pm
 from warpsph.kernels.kinematics import make_kinematics
 from warpsph.kernels.spec import Spec
-from warpsph.launch import Command
 
 from . import GodunovSettings
 from .scheme import Bind, Scheme, Traits, bound

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 import warp as wp
 
 from warpsph.config import Conversion, Numerics
+from warpsph.device.launch import Command
 from warpsph.kernels.conversion import Criteria, make_conversion
 from warpsph.kernels.deformation import make_deformation
 from warpsph.kernels.momentum_lagrangian import LagrangianTerms, make_momentum_lagrangian
 from warpsph.kernels.parts import HOURGLASS, VISCOUS
 from warpsph.kernels.spec import Spec
-from warpsph.launch import Command
-from warpsph.reference import Reference
+from warpsph.search.reference import Reference
 
 from . import LagrangianSettings
 from .eulerian import viscosity

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import warp as wp
 
-from warpsph.blocks import Blocks
 from warpsph.config import Numerics
+from warpsph.device.blocks import Blocks
+from warpsph.device.launch import Command
 from warpsph.kernels.constitutive import make_constitutive
 from warpsph.kernels.contact import make_contact
 from warpsph.kernels.correction import make_correction
@@ -19,8 +20,7 @@ from warpsph.kernels.smoothing import make_smoothing
 from warpsph.kernels.spec import Spec
 from warpsph.kernels.tiles import make_tiles
 from warpsph.kernels.timestep import LEAP, make_timestep
-from warpsph.launch import Command
-from warpsph.tiles import Tiles
+from warpsph.search.tiles import Tiles
 
 Bind = Callable[..., Command]
 """``bind(kernel, n)`` binds a launch over all particles, or over n threads, to the solver's arrays."""

@@ -38,10 +38,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"error: trial {unknown[0]!r} is unknown; allowed: {', '.join(TRIALS)}", file=sys.stderr)
         return 2
     wp.config.quiet = True
+    facts = report.facts(wp.get_device("cpu"))  # before the first table makes the checkout dirty
+    source = ", ".join(facts[key] for key in ("date", "device", "warpsph", "libraries"))
     wrong = []
     for name in options.trials or TRIALS:
         found, seconds = attempt(name, options.quick)
-        text = describe(name, found, seconds)
+        text = describe(name, found, seconds, source)
         print(f"\n## {TRIALS[name]}\n\n{text}\n", flush=True)
         wrong += [f"{name}: {line}" for line in found.failed]
         if options.write:
@@ -63,10 +65,8 @@ def attempt(name: str, quick: bool) -> tuple[Findings, float]:
     return found, time.perf_counter() - started
 
 
-def describe(name: str, found: Findings, seconds: float) -> str:
+def describe(name: str, found: Findings, seconds: float, source: str) -> str:
     """Lay findings out as Markdown, with where they come from."""
-    facts = report.facts(wp.get_device("cpu"))
-    source = ", ".join(facts[key] for key in ("date", "device", "warpsph", "libraries"))
     wrong = [f"**Did not hold:** {line}" for line in found.failed]
     table = [report.markdown(found.header, found.rows)] if found.rows else []
     how = f"`scripts/torture {name}`, {seconds:.0f} s; {source}."

@@ -19,7 +19,7 @@ from warpsph.quality.block import block
 from warpsph.scene import Scene
 from warpsph.shapes import Box, Disc, Sphere
 from warpsph.solver import Solver
-from warpsph.watch import EVERY
+from warpsph.watching.watch import EVERY
 
 from .trial import Findings, Means
 

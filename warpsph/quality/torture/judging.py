@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from warpsph.balance import energy
 from warpsph.errors import InputError, RunError
 from warpsph.guards import is_exact, is_mutual
+from warpsph.running.balance import energy
 from warpsph.solver import Solver
 
 from .drawn import DrawnScene

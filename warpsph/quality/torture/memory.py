@@ -12,8 +12,8 @@ from pathlib import Path
 
 import warp as wp
 
-from warpsph import memory
-from warpsph.memory import GENEROUS, THRIFTY, Policy
+from warpsph.memory.policy import GENEROUS, THRIFTY, Policy
+from warpsph.memory.usage import usage
 from warpsph.messages.machine import size
 from warpsph.quality import block
 from warpsph.run import run as run_scene
@@ -81,7 +81,7 @@ def run(means: Means) -> Findings:
 def against(case: Case) -> tuple[int, int]:
     """Bytes that a solver was estimated to need, and those it has taken."""
     solver = Solver(scene(case), precision=case.precision, policy=case.policy)
-    return solver.need.on_device, sum(memory.usage(solver).values())
+    return solver.need.on_device, sum(usage(solver).values())
 
 
 def scene(case: Case) -> SceneData:

@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 import warp as wp
 
+from warpsph.device.launch import Launcher, Pieces
+from warpsph.kernels.neighbours import NeighbourKernels
+from warpsph.memory.policy import Policy
+from warpsph.messages import stops
+
 from .block import Block, borrowed
 from .cells import CellList
-from .kernels.neighbours import NeighbourKernels
-from .launch import Launcher, Pieces
-from .memory import Policy
-from .messages import stops
 
 LENGTH = 1 << 22
 """Particles whose rows share an array: it has no more than 2^31 entries, hence 500 for each of them."""

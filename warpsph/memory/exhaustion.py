@@ -3,8 +3,8 @@
 import contextlib
 from collections.abc import Iterator
 
-from .errors import RunError
-from .messages import machine
+from warpsph.errors import RunError
+from warpsph.messages import machine
 
 SAYINGS = ("Failed to allocate", "failed to map segment", "annot allocate memory")
 """What Warp says when there is no memory for an array, and the system when there is none for a library."""

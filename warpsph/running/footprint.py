@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 
 from warp.types import type_size_in_bytes
 
-from .fields import CONSTANT, of_groups
-from .messages import output
-from .storage import folder
+from warpsph.fields import CONSTANT, of_groups
+from warpsph.messages import output
+from warpsph.storage import folder
 
 if TYPE_CHECKING:
-    from .particles import Particles
-    from .solver import Solver
+    from warpsph.particles import Particles
+    from warpsph.solver import Solver
 
 CHECKPOINTS = 3
 """Checkpoints that are on the disk at a time: the last two, and the one being written."""

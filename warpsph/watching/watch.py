@@ -10,16 +10,26 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from .blocks import total
-from .clock import Reading
-from .guards import Action, Guards
-from .kernels.guards import COLUMNS, CONSTRAINED, CONTACT, FINDINGS, GUARDS, LAGRANGIAN, SUMS, make_guards
-from .kernels.timestep import DONE, RUNNING, STALE
-from .launch import Command
-from .messages import stops
-from .particles import Particles
+from warpsph.clock import Reading
+from warpsph.device.blocks import total
+from warpsph.device.launch import Command
+from warpsph.guards import Action, Guards
+from warpsph.kernels.guards import (
+    COLUMNS,
+    CONSTRAINED,
+    CONTACT,
+    FINDINGS,
+    GUARDS,
+    LAGRANGIAN,
+    SUMS,
+    make_guards,
+)
+from warpsph.kernels.timestep import DONE, RUNNING, STALE
+from warpsph.messages import stops
+from warpsph.particles import Particles
+from warpsph.scene import SceneData
+
 from .penetration import cover_at, interpenetration
-from .scene import SceneData
 from .trouble import broken_fields, name_culprit
 
 EVERY = 64

@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 
-from .scene import SceneData
+from warpsph.scene import SceneData
 
 SAMPLE = 400
 """Particles that are looked at; their mean is good to one or two per cent."""
@@ -108,7 +108,7 @@ def with_rows(data: SceneData, radius: float, width: float, most: int) -> np.nda
     Args:
         data: The scene.
         radius: Reach of the rows [m].
-        width: Width of the tiles [m]; they grow as `warpsph.tiles.Tiles` lets them.
+        width: Width of the tiles [m]; they grow as `warpsph.search.tiles.Tiles` lets them.
         most: Tiles at most.
     """
     x = data.x[:, : data.dim]

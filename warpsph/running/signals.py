@@ -8,8 +8,8 @@ import threading
 from collections.abc import Iterator
 from types import FrameType
 
-from .errors import Ended
-from .messages import stops
+from warpsph.errors import Ended
+from warpsph.messages import stops
 
 SHOW_CURSOR = "\x1b[?25h"
 """What a terminal needs after a live line that was not taken away."""

@@ -4,15 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .clock import Reading
-from .errors import RunError
-from .kernels.deformation import SMALLEST_J
-from .kernels.kernel_type import LAGRANGIAN
-from .kernels.timestep import ACCELERATION_CFL, INSIDE_OUT, NON_FINITE, VISCOUS_SHARE
-from .messages import stops
-from .particles import Particles
-from .scene import SceneData
-from .schemes.scheme import Scheme
+from warpsph.clock import Reading
+from warpsph.errors import RunError
+from warpsph.kernels.deformation import SMALLEST_J
+from warpsph.kernels.kernel_type import LAGRANGIAN
+from warpsph.kernels.timestep import ACCELERATION_CFL, INSIDE_OUT, NON_FINITE, VISCOUS_SHARE
+from warpsph.messages import stops
+from warpsph.particles import Particles
+from warpsph.scene import SceneData
+from warpsph.schemes.scheme import Scheme
 
 STATE = {
     "x": "position", "v": "velocity", "rho": "density", "e": "energy", "cl": "sound speed", "p": "pressure",

@@ -2,8 +2,8 @@
 
 import warp as wp
 
-from . import available
-from .messages import machine
+from warpsph.memory import available
+from warpsph.messages import machine
 
 LINE = wp.types.vector(16, wp.int32)
 """64 bytes, to which the start of a view is rounded. Counted in these, an array may be larger than 2^31 words."""

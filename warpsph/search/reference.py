@@ -4,17 +4,18 @@ from collections.abc import Callable
 
 import warp as wp
 
+from warpsph.device.launch import Command, Launcher
+from warpsph.kernels.correction import make_correction
+from warpsph.kernels.coupling import EDGE
+from warpsph.kernels.neighbours import make_neighbours
+from warpsph.kernels.reference import make_reference
+from warpsph.kernels.smoothing import Smoothing
+from warpsph.memory.policy import Policy
+from warpsph.particles import Particles
+
 from .block import Block
 from .cells import CellList, count_cells
-from .kernels.correction import make_correction
-from .kernels.coupling import EDGE
-from .kernels.neighbours import make_neighbours
-from .kernels.reference import make_reference
-from .kernels.smoothing import Smoothing
-from .launch import Command, Launcher
-from .memory import Policy
 from .neighbours import Neighbours
-from .particles import Particles
 from .rows import Rows, lasting
 
 
@@ -24,7 +25,7 @@ class Reference:
     Attributes:
         start0: Row offsets, shape [n + 1], int32.
         n_neigh0: Entries in use in each row, shape [n], int32.
-        neigh0: Entries, see `warpsph.rows.Rows`.
+        neigh0: Entries, see `warpsph.search.rows.Rows`.
         slope0: V0_b W'/r of the entries [1/m²], shape [capacity].
         w0: V0_b W of them with correction [-]; else 1 long.
         q0_sum: Sum of a row's gradients before K, shape [n, 3].

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 import numpy as np
 import warp as wp
 
+from warpsph.device.launch import Launcher
+from warpsph.kernels.cells import ALONG, FEWEST, MARGIN, make_cells
+from warpsph.kernels.sort import make_sort
+from warpsph.kernels.spec import Spec
+
 from .block import Block
-from .kernels.cells import ALONG, FEWEST, MARGIN, make_cells
-from .kernels.sort import make_sort
-from .kernels.spec import Spec
-from .launch import Launcher
 
 PER_PARTICLE = 2
 """Cells that there may be for each particle."""

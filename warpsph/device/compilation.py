@@ -7,8 +7,9 @@ from pathlib import Path
 
 import warp as wp
 
+from warpsph.messages import output
+
 from .launch import count_cores
-from .messages import output
 
 PER_THREAD = 4
 """Modules that a thread has to compile to be worth it: it makes a precompiled header first, in the time of some six."""

@@ -4,15 +4,16 @@ from collections.abc import Callable
 
 import warp as wp
 
+from warpsph.kernels.spec import Spec
+from warpsph.lattices import coarse
+from warpsph.messages import machine, values
+from warpsph.scene import SceneData
+from warpsph.schemes.factory import make_scheme
+from warpsph.search.neighbours import MAX_PARTICLES
+
 from . import available
-from .kernels.spec import Spec
-from .lattices import coarse
-from .memory import policy_of
-from .messages import machine, values
 from .need import Need, estimate
-from .neighbours import MAX_PARTICLES
-from .scene import SceneData
-from .schemes.factory import make_scheme
+from .policy import policy_of
 
 
 def admit(

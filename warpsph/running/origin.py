@@ -5,12 +5,12 @@ from typing import Any
 
 import warp as wp
 
-from . import __version__
-from .kernels.guards import GUARDS
-from .messages import files, remarks
-from .processor import processor
-from .solver import Solver
-from .storage import checkpoint, facts
+from warpsph import __version__
+from warpsph.device.processor import processor
+from warpsph.kernels.guards import GUARDS
+from warpsph.messages import files, remarks
+from warpsph.solver import Solver
+from warpsph.storage import checkpoint, facts
 
 KEPT = {
     "interval": facts.positive, "row_interval": facts.positive, "ends": facts.many(facts.finite), "due": facts.natural,
@@ -24,7 +24,7 @@ CASE = facts.record_of({
     "value": facts.number, "particle": facts.natural, "body": facts.text, "material": facts.text,
     "position": facts.many(facts.number), "time": facts.finite, "step": facts.natural,
 })  # fmt: skip
-"""What a guard has found at one look, see `warpsph.watch.Watch`."""
+"""What a guard has found at one look, see `warpsph.watching.watch.Watch`."""
 
 FOUND = facts.record_of({
     "looks": facts.natural, "particles": facts.natural, "first": CASE, "limit": facts.number, "action": facts.text, "worst": CASE,
@@ -43,7 +43,7 @@ BALANCE = {
     "start": facts.each(facts.number), "energy_error": facts.number, "momentum_error": facts.number,
     "angular_momentum_error": facts.number, "kinetic": facts.number,
 }  # fmt: skip
-"""What `warpsph.balance.Balance.save` gives."""
+"""What `warpsph.running.balance.Balance.save` gives."""
 
 NEEDED = {
     "time": facts.not_negative, "until": facts.positive, "row_time": facts.finite, "device": facts.text, "precision": facts.text,

@@ -3,10 +3,11 @@
 import numpy as np
 import warp as wp
 
+from warpsph.device.launch import Launcher
+from warpsph.kernels.tiles import make_tiles
+from warpsph.particles import Particles
+
 from .block import Block
-from .kernels.tiles import make_tiles
-from .launch import Launcher
-from .particles import Particles
 
 PER_TILE = 128
 """Particles a tile is meant to hold."""

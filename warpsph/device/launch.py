@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import warp as wp
 
-from .messages import values
+from warpsph.messages import values
+
 from .team import Team
 
 SLICES_PER_THREAD = 2

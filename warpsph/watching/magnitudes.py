@@ -3,10 +3,10 @@
 import numpy as np
 import warp as wp
 
-from .contact import contact_constants
-from .kernels.spec import Spec
-from .messages import values
-from .scene import SceneData
+from warpsph.contact import contact_constants
+from warpsph.kernels.spec import Spec
+from warpsph.messages import values
+from warpsph.scene import SceneData
 
 MARGIN = 1e4
 """How much larger or smaller than at the start a number may become."""

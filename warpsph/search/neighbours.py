@@ -3,12 +3,13 @@
 import numpy as np
 import warp as wp
 
+from warpsph.device.launch import Launcher, Pieces
+from warpsph.kernels.neighbours import make_neighbours
+from warpsph.memory.policy import Policy
+from warpsph.particles import Particles
+
 from .block import Block
 from .cells import CellList, count_cells
-from .kernels.neighbours import make_neighbours
-from .launch import Launcher, Pieces
-from .memory import Policy
-from .particles import Particles
 from .rows import Rows
 from .tiles import Tiles
 
@@ -28,7 +29,7 @@ class Neighbours:
     Attributes:
         start: Row offsets, shape [n + 1], int32.
         n_neigh: Entries in use in each row, shape [n], int32.
-        neigh: Entries, see `warpsph.rows.Rows`.
+        neigh: Entries, see `warpsph.search.rows.Rows`.
         role: 0: no row; 1: a row; 2: its tile may have Eulerian particles; below 0: was eroded, see `kernels.tiles`;
             shape [n], int32 (1 long if all have rows).
         unlisted: 1: a particle converted whose neighbours have no rows, shape [1], int32.

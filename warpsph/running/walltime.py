@@ -7,8 +7,8 @@ import time
 from collections import deque
 from pathlib import Path
 
-from .messages import values
-from .storage.writer import PENDING
+from warpsph.messages import values
+from warpsph.storage.writer import PENDING
 
 RECENT = 16
 """Durations that the margin looks back at."""

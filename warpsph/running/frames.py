@@ -5,11 +5,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from . import exhaustion
-from .errors import DiskError, Ended, InputError, RunError
-from .messages import output, stops
-from .storage import snapshot
-from .storage import summary as summaries
+from warpsph.errors import DiskError, Ended, InputError, RunError
+from warpsph.memory import exhaustion
+from warpsph.messages import output, stops
+from warpsph.storage import snapshot
+from warpsph.storage import summary as summaries
+
 from .walltime import Deadline
 
 
@@ -30,7 +31,7 @@ def draw(out: Path, summary: dict[str, Any], deadline: Deadline) -> None:
         DiskError: A frame could not be written.
         Ended: By a signal, at once, or because the wall time is up; `warpsph resume` draws the frames later.
     """
-    from .render import render
+    from warpsph.render import render
 
     try:
         with exhaustion.told():

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .scene import SceneData
+from warpsph.scene import SceneData
 
 AXES = ("x", "y", "z")
 

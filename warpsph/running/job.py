@@ -11,21 +11,24 @@ from typing import Any
 
 import warp as wp
 
-from . import __version__, exhaustion, origin
+from warpsph import __version__
+from warpsph.clock import Reading
+from warpsph.errors import DiskError, Ended, RunError
+from warpsph.kernels.parts import PARTS
+from warpsph.memory import exhaustion
+from warpsph.messages import output, remarks, stops
+from warpsph.messages.values import printable
+from warpsph.progress import Progress
+from warpsph.scene import SceneData
+from warpsph.solver import Solver
+from warpsph.storage import checkpoint, folder, snapshot
+from warpsph.storage import summary as summaries
+from warpsph.storage.history import History
+from warpsph.storage.writer import Writer
+
+from . import origin
 from .balance import Balance, energy
-from .clock import Reading
-from .errors import DiskError, Ended, RunError
-from .kernels.parts import PARTS
-from .messages import output, remarks, stops
-from .messages.values import printable
-from .progress import Progress
-from .scene import SceneData
 from .signals import Stop
-from .solver import Solver
-from .storage import checkpoint, folder, snapshot
-from .storage import summary as summaries
-from .storage.history import History
-from .storage.writer import Writer
 from .walltime import Deadline
 
 HISTORY_ROWS = 200

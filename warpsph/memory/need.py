@@ -1,24 +1,25 @@
-"""What a run will need of memory, known before anything is allocated; `memory.usage` tells what it has then taken."""
+"""What a run will need of memory, known before anything is allocated; `usage.usage` tells what it has then taken."""
 
 from dataclasses import dataclass
 
 import numpy as np
 import warp as wp
 
+from warpsph.device.blocks import CUDA_STEP_BLOCKS, Blocks
+from warpsph.fields import of_groups
+from warpsph.kernels.guards import COLUMNS
+from warpsph.kernels.ledger import MAXIMA, SUMS
+from warpsph.kernels.spec import Spec
+from warpsph.particles import element_types
+from warpsph.scene import SceneData
+from warpsph.schemes.scheme import Scheme
+from warpsph.search.block import LINE
+from warpsph.search.cells import count_cells
+from warpsph.search.rows import lasting
+from warpsph.search.tiles import first_width, tiles_of
+
 from . import census
-from .block import LINE
-from .blocks import CUDA_STEP_BLOCKS, Blocks
-from .cells import count_cells
-from .fields import of_groups
-from .kernels.guards import COLUMNS
-from .kernels.ledger import MAXIMA, SUMS
-from .kernels.spec import Spec
-from .memory import Policy
-from .particles import element_types
-from .rows import lasting
-from .scene import SceneData
-from .schemes.scheme import Scheme
-from .tiles import first_width, tiles_of
+from .policy import Policy
 
 EXTREMES = 7
 """Numbers that each block of the time step leaves: dt, and the least and largest velocity."""

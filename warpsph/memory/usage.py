@@ -1,48 +1,16 @@
-"""Device memory: how much of it a run may spend on speed, and what it is spent on."""
+"""What device memory is spent on, array by array."""
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import warp as wp
 
-from .block import Block
-from .kernels.spec import LANES
+from warpsph.search.block import Block
 
 if TYPE_CHECKING:
-    from .solver import Solver
-
-
-@dataclass(frozen=True)
-class Policy:
-    """What memory buys, and what goes with the kind of device.
-
-    Attributes:
-        lanes: Pairs that a loop handles at once, see `kernels.lanes`: rows are filled up to a multiple of it.
-        divisor: A row has room for its neighbours and for that many more: their number over this,
-        spare: and so many more. A row without room costs a second search, never a neighbour.
-        growth: Rows that no longer fit get so much more than they need.
-    """
-
-    lanes: int
-    divisor: int
-    spare: int
-    growth: float
-
-
-GENEROUS = Policy(lanes=LANES, divisor=2, spare=16, growth=1.2)
-"""On a CPU, where memory is plentiful and a second search dear."""
-
-THRIFTY = Policy(lanes=1, divisor=16, spare=2, growth=1.03)
-"""On a GPU, where memory bounds the number of particles."""
-
+    from warpsph.solver import Solver
 
 SEARCH = ("neighbours.", "cells.", "search.", "tiles.", "reference.")
 """Owners of what belongs to neighbour search and rows."""
-
-
-def policy_of(device: wp.Device) -> Policy:
-    """The policy for a device."""
-    return THRIFTY if device.is_cuda else GENEROUS
 
 
 def usage(solver: "Solver") -> dict[str, int]:

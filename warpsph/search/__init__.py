@@ -1,0 +1,1 @@
+"""Neighbour search: particles in cells, rows of those in reach, now and in the reference configuration."""

@@ -1,0 +1,1 @@
+"""What a run is watched for, and which particle is to blame."""
