@@ -27,7 +27,7 @@ CASE = facts.record_of({
 """What a guard has found at one look, see `warpsph.watching.watch.Watch`."""
 
 FOUND = facts.record_of({
-    "limit": facts.number, "looks": facts.natural, "particles": facts.natural, "first": CASE, "action": facts.text, "worst": CASE,
+    "looks": facts.natural, "particles": facts.natural, "first": CASE, "limit": facts.number, "action": facts.text, "worst": CASE,
 })  # fmt: skip
 """What it has found in a run."""
 

@@ -63,9 +63,10 @@ def all_sizes(bench: Bench, place: Path, table: Table) -> str:
 
 
 def again(bench: Bench, out: Path, table: Table) -> None:
-    """Go on while the disk is still full: it must end in the same way, or get further, and harm nothing."""
+    """Go on while the disk is still full: it must end in the same way, get further or be refused, and harm nothing."""
     ended = bench.go_on(out)
-    wrong = misbehaved(ended, FULL) if ended[0] else None
+    refused = ended[0] == 2 and "has no room" in ended[1]  # it had no checkpoint yet, and is to start anew
+    wrong = misbehaved(ended, FULL) if ended[0] and not refused else None
     harm = (bench.harm_in(out) or [None])[0]
     table.setdefault("gone on with no more room", Tally(compared=False)).add(wrong, harm, None)
 
