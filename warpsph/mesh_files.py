@@ -119,6 +119,8 @@ def _ascii_facets(data: bytes) -> np.ndarray:
     rest = [line.split()[0].lower() for line in b"".join(parts[::10]).splitlines() if line.strip()]
     for number, word in enumerate(rest):
         if word != (b"solid", b"endsolid")[number % 2]:
+            if word == b"facet":
+                raise ValueError(f"a facet is not whole, after {len(parts) // 10} that are")
             raise ValueError(f"{_shown(word)} where facets, solid or endsolid should stand")
     if len(rest) % 2:
         raise ValueError("it ends without endsolid")
