@@ -5,6 +5,7 @@ import io
 import os
 import resource
 import shutil
+import subprocess
 import sys
 import types
 
@@ -230,3 +231,13 @@ def test_a_closed_stream_is_filled_before_a_file_takes_its_number(tmp_path):
     finally:
         os.dup2(kept, 0)
         os.close(kept)
+
+
+def test_a_process_without_streams_has_some_that_take_what_libraries_say():
+    script = (
+        "import os, sys, warnings; from warpsph.running import streams; streams.fill(); "
+        "warnings.showwarning = lambda m, *_: sys.stderr.write(str(m)); warnings.warn('x'); print('y'); "
+        "sys.exit(7 if sys.stdout and sys.stderr else 1)"
+    )
+    done = subprocess.run(["bash", "-c", f'{sys.executable} -c "{script}" >&- 2>&-'], check=False)
+    assert done.returncode == 7

@@ -3,11 +3,13 @@
 import sys
 
 from .errors import Ended
+from .running import streams
 from .running.signals import listening
 
 
 def main() -> None:
     """Run the command line."""
+    streams.fill()  # before any file is opened
     try:
         with listening(final=True):
             from .cli import main

@@ -44,12 +44,17 @@ class Dropping(io.TextIOBase):
 
 
 def fill() -> None:
-    """Give numbers 0 to 2 to nothing where they are closed, or the next file that is opened would get what is printed."""
+    """Give numbers 0 to 2 to nothing where they are closed, or the next file that is opened would get what is printed.
+
+    Python has no stream at all there, which libraries do not expect.
+    """
     for number in range(3):
         try:
             os.fstat(number)
         except OSError:
             os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free
+    sys.stdout = sys.stdout or os.fdopen(1, "w", closefd=False)
+    sys.stderr = sys.stderr or os.fdopen(2, "w", closefd=False)
 
 
 def empty() -> OSError | None:
