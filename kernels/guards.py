@@ -1,7 +1,6 @@
 """What a run watches for: how many particles are in trouble of each kind, and which one is worst."""
 
 import functools
-from dataclasses import replace
 
 import warp as wp
 
@@ -31,9 +30,7 @@ NO_DENSITY = -1.0e-300
 
 @functools.cache
 def make_guards(s: Spec) -> wp.Kernel:
-    """Build the kernel for one precision; it is the same in every dimension and for every scheme."""
-    if s.dim != 3:
-        return make_guards(replace(s, dim=3))
+    """Build the kernel for one precision; it is the same for every scheme."""
     real, vec, point, matrix = s.real, s.vec, s.point, s.mat
     d = wp.float64
     finite = make_lanes(s).finite
