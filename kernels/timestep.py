@@ -28,6 +28,9 @@ CONTACT_CFL = 0.5
 LEAP = 1.0
 """Largest distance in h by which two particles, or one and an image, come nearer to each other in a step."""
 
+CONTACT_LEAP = 0.5
+"""The same where bodies are in contact: the force between them has the reach of the kernel to stop them in."""
+
 
 class TimestepKernels(NamedTuple):
     """Kernels of this file."""

@@ -19,7 +19,7 @@ from warpsph.kernels.parts import CONTACT, Parts, part_types
 from warpsph.kernels.smoothing import make_smoothing
 from warpsph.kernels.spec import Spec
 from warpsph.kernels.tiles import make_tiles
-from warpsph.kernels.timestep import LEAP, make_timestep
+from warpsph.kernels.timestep import CONTACT_LEAP, LEAP, make_timestep
 from warpsph.search.tiles import Tiles
 
 Bind = Callable[..., Command]
@@ -124,7 +124,9 @@ class Scheme(ABC):
     @property
     def leap(self) -> float:
         """Largest distance by which particles come nearer in a step [h]: none where nothing comes into reach."""
-        return LEAP if self.searching else math.inf
+        if not self.searching:
+            return math.inf
+        return LEAP if self._contact is None else CONTACT_LEAP
 
     def arrays(self, n: int) -> dict[str, wp.array]:
         """Arrays that live from one launch to the next but are no state; 1 long where the scheme has no use for them.
