@@ -187,9 +187,10 @@ class Broken(io.StringIO):
 
     def __init__(self, error):
         super().__init__()
-        self.error = error
+        self.error, self.tries = error, 0
 
     def write(self, text):
+        self.tries += 1
         raise self.error
 
     def flush(self):
@@ -200,11 +201,13 @@ class Broken(io.StringIO):
     "error", [BrokenPipeError(32, "Broken pipe"), OSError(28, "No space left"), ValueError("closed")]
 )
 def test_progress_that_nobody_can_read_is_dropped(error):
-    report = Progress(Broken(error))
+    stream = Broken(error)
+    report = Progress(stream)
     report.start(1.0)
     report.update(time=1.0, step=3, dt=0.1, energy_error=0.0, rate=1.0)
     report.message("a line")
     report.stop()
+    assert stream.tries, "it has tried to say something, and gone on"
 
 
 @pytest.mark.parametrize(
