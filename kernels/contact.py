@@ -6,6 +6,7 @@ from typing import NamedTuple
 import warp as wp
 
 from .kernel_type import ERODED
+from .lanes import make_lanes
 from .mirror import make_mirror
 from .parts import CONTACT, Parts, part_types, tag
 from .smoothing import Smoothing
@@ -37,6 +38,8 @@ def make_contact(s: Spec, smoothing: Smoothing, planes: bool, parts: Parts = (CO
     row = parts.index(CONTACT)
     mirror, dot = make_mirror(s, planes), make_tensor(s).dot
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
+    lanes = make_lanes(s)
+    last_end, stride = lanes.last_end, lanes.stride
     zero, half, three, four = real(0.0), real(0.5), real(3.0), real(4.0)
     centre, dim = real(CENTRE), s.dim
 
@@ -87,7 +90,7 @@ def make_contact(s: Spec, smoothing: Smoothing, planes: bool, parts: Parts = (CO
         count = n_neigh[i]
         if kernel_type[i] == ERODED:
             count = wp.int32(0)
-        for k in range(start[i], start[i] + count):
+        for k in range(start[i], last_end(start[i], count), stride):
             j = mirror.index(neigh[k])
             if body[j] != body_i and kernel_type[j] != ERODED:
                 sign = mirror.sign(neigh[k])

@@ -9,6 +9,7 @@ import warp as wp
 
 from .deformation import INVERTED
 from .kernel_type import ERODED, EULERIAN, LAGRANGIAN
+from .lanes import make_lanes
 from .mirror import make_mirror
 from .spec import Spec
 from .strain import make_strain
@@ -60,6 +61,8 @@ def make_conversion(s: Spec, criteria: Criteria, planes: bool, sheet: bool = Fal
     real, point, matrix = s.real, s.point, s.mat
     mirror, tensor = make_mirror(s, planes), make_tensor(s)
     dot, unpack = tensor.dot, tensor.unpack
+    lanes = make_lanes(s)
+    last_end, stride = lanes.last_end, lanes.stride
     zero, one, ripe_share = real(0.0), real(1.0), real(RIPE)
     measured = criteria.measure not in ("", "plastic")
     strain = make_strain(s, criteria.measure if measured else "logarithmic")
@@ -178,7 +181,7 @@ def make_conversion(s: Spec, criteria: Criteria, planes: bool, sheet: bool = Fal
         i = wp.tid() + offset
         own_fate = wp.int32(fate[i])
         if spreading[0] > zero and kernel_type[i] == LAGRANGIAN:
-            for k in range(start0[i], start0[i] + n_neigh0[i]):
+            for k in range(start0[i], last_end(start0[i], n_neigh0[i]), stride):
                 j = mirror.index(neigh0[k])
                 if fate[j] > own_fate + 1:
                     Xij = mirror.apart(X[i], X[j], mirror.sign(neigh0[k]), plane)
@@ -250,7 +253,7 @@ def make_conversion(s: Spec, criteria: Criteria, planes: bool, sheet: bool = Fal
             return
         found = wp.int32(0)
         if kernel_type[i] == EULERIAN:
-            for k in range(start0[i], start0[i] + n_neigh0[i]):
+            for k in range(start0[i], last_end(start0[i], n_neigh0[i]), stride):
                 if kernel_type[mirror.index(neigh0[k])] == LAGRANGIAN:
                     found = 1
         interface[i] = found

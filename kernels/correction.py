@@ -42,7 +42,7 @@ def make_correction(
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     read = make_reads(s)
     lanes = make_lanes(s)
-    worth, row_end = lanes.worth, lanes.row_end
+    worth, row_end, stride = lanes.worth, lanes.row_end, lanes.stride
     bound, counts, zero = real(CONDITION), make_counts(separate, coupled), real(0.0)
     options = (smoothing.name, "planes" * planes, "separate" * separate, "coupled" * coupled)
 
@@ -109,7 +109,7 @@ def make_correction(
                 G_y += slope * xij[1]
                 G_z += slope * xij[2]
                 neighbours += wp.where(near, 1, 0)
-            k += 1
+            k += stride
         log_G = vec(G_x, G_y, G_z) / shepard
         xx, xy, xz = real(0.0), real(0.0), real(0.0)
         yx, yy, yz = real(0.0), real(0.0), real(0.0)
@@ -138,7 +138,7 @@ def make_correction(
                     zx -= u[2] * xij[0]
                     zy -= u[2] * xij[1]
                     zz -= u[2] * xij[2]
-            k += 1
+            k += stride
         M = (real(1.0) / shepard) * mat(xx, xy, xz, yx, yy, yz, zx, zy, zz)
         inverse, ok = inverse_or_identity(M, neighbours)
         if ok:

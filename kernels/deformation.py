@@ -44,7 +44,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
     over_lanes = s.module(__name__, "_".join(filter(None, ("rate", *options))), lanes=True)
     read = make_reads(s)
     lanes = make_lanes(s)
-    row_end = lanes.row_end
+    row_end, stride = lanes.row_end, lanes.stride
 
     @wp.func
     def serves(F: mat, J_of_matter: real):
@@ -108,7 +108,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
                     wy += read.real(w0, k) * u[1]
                 if wp.static(dim > 2):
                     wz += read.real(w0, k) * u[2]
-            k += 1
+            k += stride
         found = mat(xx, xy, xz, yx, yy, yz, zx, zy, zz)
         if wp.static(corrected):
             found -= wp.outer(vec(wx, wy, wz), G0[i])

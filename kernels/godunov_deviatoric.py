@@ -22,7 +22,7 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
     zero, half = real(0.0), real(0.5)
     read = make_reads(s)
     lanes = make_lanes(s)
-    worth, row_end = lanes.worth, lanes.row_end
+    worth, row_end, stride = lanes.worth, lanes.row_end, lanes.stride
     dim, on = s.dim, wp.constant(int(corrected))
     options = (smoothing.name, f"order{order}", "corrected" * corrected, "planes" * planes)
 
@@ -114,7 +114,7 @@ def make_deviatoric(s: Spec, smoothing: Smoothing, order: int, corrected: bool, 
                     if wp.static(dim > 2):
                         p_z += dp * g_ij[2]
                         rho_z += drho * g_ij[2]
-            k += 1
+            k += stride
         per_mass = vol[i] / m[i]
         dvdt[i] = per_mass * vec(f_x, f_y, f_z)
         dedt[i] = per_mass * power

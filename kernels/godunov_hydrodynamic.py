@@ -55,6 +55,7 @@ def make_hydrodynamic(
     read = make_reads(s)
     lanes = make_lanes(s)
     taken, raised, value, row_end, Bits = lanes.worth, lanes.raised, lanes.value, lanes.row_end, lanes.Bits
+    stride = lanes.stride
     dot, quadratic = tensor.dot, tensor.quadratic
     zero, half, one, two = real(0.0), real(0.5), real(1.0), real(2.0)
     closest = real(CLOSEST)
@@ -230,7 +231,7 @@ def make_hydrodynamic(
                         f_y += f[1]
                     if wp.static(dim > 2):
                         f_z += f[2]
-            k += 1
+            k += stride
         per_mass = vol[i] / m[i]
         dvdt[i] = per_mass * vec(f_x, f_y, f_z)
         dedt[i] = per_mass * power

@@ -30,6 +30,7 @@ def make_godunov_pm(
     read = make_reads(s)
     lanes = make_lanes(s)
     worth, raised, value, row_end, Bits = lanes.worth, lanes.raised, lanes.value, lanes.row_end, lanes.Bits
+    stride = lanes.stride
     shear_share = real(0.75)
     dim, on = s.dim, wp.constant(int(corrected))
     flags = ("fragile" * fragile, "corrected" * corrected, "planes" * planes)
@@ -158,7 +159,7 @@ def make_godunov_pm(
                     zx += u[2] * g[0]
                     zy += u[2] * g[1]
                     zz += u[2] * g[2]
-            k += 1
+            k += stride
         per_mass = vol[i] / m[i]
         dvdt[i] = per_mass * vec(f_x, f_y, f_z)
         dedt[i] = per_mass * power

@@ -38,7 +38,7 @@ def make_kinematics(
     w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
     read = make_reads(s)
     lanes = make_lanes(s)
-    worth, row_end = lanes.worth, lanes.row_end
+    worth, row_end, stride = lanes.worth, lanes.row_end, lanes.stride
     dim, counts = s.dim, make_counts(separate, coupled)
     options = (
         smoothing.name,
@@ -114,7 +114,7 @@ def make_kinematics(
                     zx += u[2] * g[0]
                     zy += u[2] * g[1]
                     zz += u[2] * g[2]
-            k += 1
+            k += stride
         dvdx[i] = mat(xx, xy, xz, yx, yy, yz, zx, zy, zz)
 
     return velocity_gradient

@@ -8,6 +8,9 @@ work it saves, except on a GPU (`worth`).
 Its module is built with ``s.module(..., lanes=True)``, which lets the compiler add in another order: the same in every run.
 
 A row ends at a multiple of the lanes, filled up with the particle itself: an entry that is no neighbour.
+
+On a GPU rows stand in columns, 32 of them side by side (`Spec.columns`): a row goes on with a stride of 32, and a warp
+reads the k-th entries of its particles in one piece.
 """
 
 import functools
@@ -22,7 +25,7 @@ NAMES = {wp.int32: "int", wp.float32: "float", wp.float64: "double"}
 
 
 class Lanes(NamedTuple):
-    """Device functions of this file, and the type that `raised` works on."""
+    """Device functions of this file, the type that `raised` works on, and the stride from an entry of a row to the next."""
 
     worth: wp.Function
     raised: wp.Function
@@ -31,8 +34,11 @@ class Lanes(NamedTuple):
     ranked: wp.Function
     finite: wp.Function
     value: wp.Function
+    filled: wp.Function
     row_end: wp.Function
+    last_end: wp.Function
     Bits: type
+    stride: int
 
 
 class Reads(NamedTuple):
@@ -81,7 +87,7 @@ def _native(element: type, snippet: str) -> wp.Function:
 @functools.cache
 def make_lanes(s: Spec) -> Lanes:
     """Build the functions for one specialisation."""
-    real, lanes = s.real, s.lanes
+    real, lanes, stride = s.real, s.lanes, s.columns
     Bits = wp.int32 if real is wp.float32 else wp.int64
     exponent = wp.constant(Bits(0xFF << 23 if real is wp.float32 else 0x7FF << 52))
     below_sign = wp.constant(Bits(2**31 - 1 if real is wp.float32 else 2**63 - 1))
@@ -134,8 +140,18 @@ def make_lanes(s: Spec) -> Lanes:
         return wp.cast(top, real)
 
     @wp.func
-    def row_end(first: wp.int32, n: wp.int32):
-        """One past the last entry of a row of n neighbours, filled up to a multiple of the lanes."""
-        return first + (n + wp.static(lanes - 1)) / wp.static(lanes) * wp.static(lanes)
+    def filled(n: wp.int32):
+        """Entries of a row of n neighbours, filled up to a multiple of the lanes."""
+        return (n + wp.static(lanes - 1)) / wp.static(lanes) * wp.static(lanes)
 
-    return Lanes(worth, raised, lowered, rank, ranked, finite, value, row_end, Bits)
+    @wp.func
+    def row_end(first: wp.int32, n: wp.int32):
+        """Where a row of n neighbours has come to its end, going on by ``stride`` from its first entry; filled up."""
+        return first + filled(n) * wp.static(stride)
+
+    @wp.func
+    def last_end(first: wp.int32, n: wp.int32):
+        """The same without what fills it up."""
+        return first + n * wp.static(stride)
+
+    return Lanes(worth, raised, lowered, rank, ranked, finite, value, filled, row_end, last_end, Bits, stride)

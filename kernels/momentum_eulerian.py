@@ -56,6 +56,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
     read = make_reads(s)
     lanes = make_lanes(s)
     worth, raised, value, row_end, Bits = lanes.worth, lanes.raised, lanes.value, lanes.row_end, lanes.Bits
+    stride = lanes.stride
     switched, stressed = terms.switched, terms.artificial_stress
     viscous, artificial = (terms.parts.index(p) if p in terms.parts else 0 for p in (VISCOUS, ARTIFICIAL))
     half = real(0.5)
@@ -199,7 +200,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
                             art_y += push[1]
                         if wp.static(dim > 2):
                             art_z += push[2]
-            k += 1
+            k += stride
         per_mass = real(1.0) / areal_i
         dvdt[i] = per_mass * vec(f_x + visc_x + art_x, f_y + visc_y + art_y, f_z + visc_z + art_z)
         dedt[i] = per_mass * (power + half * (visc_power + art_power))

@@ -59,7 +59,7 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
     dot, product, half, zero, dim = tensor.dot, tensor.product, real(0.5), real(0.0), s.dim
     read = make_reads(s)
     lanes = make_lanes(s)
-    raised, value, row_end, Bits = lanes.raised, lanes.value, lanes.row_end, lanes.Bits
+    raised, value, row_end, Bits, stride = lanes.raised, lanes.value, lanes.row_end, lanes.Bits, lanes.stride
     coupled, controlled = terms.coupled, terms.hourglass
 
     @wp.func
@@ -202,7 +202,7 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                     zero_y += push[1]
                 if wp.static(dim > 2):
                     zero_z += push[2]
-            k += 1
+            k += stride
         mu_max = value(mu_top)
         if lagrangian:
             inner = product(P_i, q0_sum[i])

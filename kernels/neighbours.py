@@ -1,4 +1,8 @@
-"""Neighbour rows: those of i are the ``n_neigh[i]`` entries from ``neigh[start[i]]`` on (entries: see `mirror`)."""
+"""Neighbour rows: those of i are the ``n_neigh[i]`` entries from ``neigh[start[i]]`` on (entries: see `mirror`).
+
+On a GPU they are 32 places apart (`Spec.columns`): the rows of 32 particles stand side by side, each with the room of the
+longest.
+"""
 
 import functools
 from typing import NamedTuple
@@ -45,7 +49,8 @@ def make_neighbours(
             return False
         return True
 
-    row_end = make_lanes(s).row_end
+    lanes, columns = make_lanes(s), s.columns
+    filled, row_end = lanes.filled, lanes.row_end
     masks = wp.constant(8 if planes else 1)
     LARGEST = wp.constant(2**31 - 1)  # as a mask it tells the compiler that an index is not negative
     lines, layers = (3 if s.dim > axis else 1 for axis in (1, 2))
@@ -82,7 +87,7 @@ def make_neighbours(
         """
         i = wp.tid() + offset
         first = start[i] & LARGEST
-        end = start[i + 1]
+        end = start[wp.min((i / columns + 1) * columns, start.shape[0] - 1)]  # of the rows side by side
         at = wp.int32(first)
         if wp.static(selective):
             if role[i] <= 0:
@@ -122,19 +127,20 @@ def make_neighbours(
                             near = dot(xij, xij) < radius * radius and (j != i or mask > 0)
                             if wp.static(same_body or selective):
                                 near = near and fits(body[i], body[j], role[j])
-                            at += wp.where(near, 1, 0)
+                            at += wp.where(near, columns, 0)
                             k += 1
                         r += 1
                     z += 1
             mask += 1
-        n_neigh[i] = at - first
-        last = row_end(first, at - first)
+        n = (at - first) / columns
+        n_neigh[i] = n
+        last = row_end(first, n)
         if at >= end or last > end:
             overflow[0] = 1
         else:
             while at < last:
                 neigh[at] = i
-                at += 1
+                at += columns
 
     @wp.kernel(module=module)
     def reserve(
@@ -146,8 +152,19 @@ def make_neighbours(
         # out:
         room: wp.array[wp.int32],
     ):
-        """Give a row what it needs now, a share of that, and ``spare`` places, at least one (see `fill`)."""
+        """Give a row what it needs now, a share of that, and ``spare`` places, at least one (see `fill`).
+
+        Rows side by side all get what the longest needs. Their particles' ``room`` is 1, and what is left of them all is
+        the last one's: the sum up to a particle is then where its row starts.
+        """
         i = wp.tid() + offset
-        room[i] = row_end(0, n_neigh[i] + n_neigh[i] / divisor + spare)
+        beside = i % columns
+        if beside < columns - 1 and i + 1 < n_neigh.shape[0]:
+            room[i] = 1
+            return
+        longest = wp.int32(0)
+        for k in range(i - beside, i + 1):
+            longest = wp.max(longest, n_neigh[k])
+        room[i] = columns * filled(longest + longest / divisor + spare) - beside
 
     return NeighbourKernels(fill, reserve)

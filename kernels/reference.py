@@ -11,6 +11,7 @@ import functools
 import warp as wp
 
 from .kernel_type import ERODED
+from .lanes import make_lanes
 from .mirror import make_mirror
 from .smoothing import Smoothing
 from .spec import Spec
@@ -23,6 +24,8 @@ def make_reference(s: Spec, smoothing: Smoothing, corrected: bool, planes: bool)
     real, vec, point = s.real, s.vec, s.point
     mirror, dot = make_mirror(s, planes), make_tensor(s).dot
     w, dw_r = smoothing.w, smoothing.dw_r
+    lanes = make_lanes(s)
+    last_end, stride = lanes.last_end, lanes.stride
     options = (smoothing.name, "corrected" * corrected, "planes" * planes)
 
     @wp.kernel(module=s.module(__name__, "_".join(filter(None, options))))
@@ -49,7 +52,7 @@ def make_reference(s: Spec, smoothing: Smoothing, corrected: bool, planes: bool)
         if dt[0] == real(0.0):
             return
         sum_s, sum_w = vec(), real(0.0)
-        for k in range(start0[i], start0[i] + n_neigh0[i]):
+        for k in range(start0[i], last_end(start0[i], n_neigh0[i]), stride):
             j = mirror.index(neigh0[k])
             Xij = mirror.apart(X[i], X[j], mirror.sign(neigh0[k]), plane)
             r, V_j = wp.sqrt(dot(Xij, Xij)), real(vol0[j])

@@ -9,6 +9,9 @@ LANES = 8
 """Pairs that a loop on a CPU handles at once: single-precision numbers in 256 bits, double ones in 512. Rows of
 neighbours are filled up to a multiple of it."""
 
+COLUMNS = 32
+"""Rows of neighbours that stand side by side on a GPU, one for each thread of a warp."""
+
 LANE_FLAGS = (
     "-mreassociate -fno-signed-zeros -mprefer-vector-width=512 -mllvm=-force-target-max-vector-interleave=1"
 )
@@ -59,6 +62,14 @@ class Spec:
     def sym(self) -> type:
         """Symmetric tensor as it is stored: xx, yy, zz, xy, yz, xz."""
         return wp.types.vector(6, self.real)
+
+    @property
+    def columns(self) -> int:
+        """Rows of neighbours that stand side by side, entry by entry, so that threads read entries next to each other.
+
+        1 where there are lanes: every row is in one piece.
+        """
+        return COLUMNS if self.lanes == 1 else 1
 
     @property
     def tag(self) -> str:

@@ -5,6 +5,8 @@ import pytest
 from tools import DOUBLE, ELASTIC, REALS, SPACING, body, by_id, collision, jittered, run, scene
 
 from warpsph.kernels.mirror import INDEX_BITS
+from warpsph.kernels.spec import COLUMNS
+from warpsph.memory.policy import GENEROUS, THRIFTY
 from warpsph.search import cells
 from warpsph.solver import Solver
 
@@ -16,10 +18,12 @@ def listed(solver):
     """Every entry as (id, id of the neighbour, reflections)."""
     rows, ids = solver.neighbours, solver.particles.id.numpy()
     start, count, entries = rows.start.numpy(), rows.n_neigh.numpy(), rows.neigh.numpy()
+    columns = solver.particles.spec.columns
+    places = np.concatenate([s + columns * np.arange(c) for s, c in zip(start, count, strict=False)])
+    assert len(places) == len(np.unique(places)), "two rows share a place"
     found = [
         (ids[i], ids[entry & ((1 << INDEX_BITS) - 1)], entry >> INDEX_BITS)
-        for i in range(len(ids))
-        for entry in entries[start[i] : start[i] + count[i]]
+        for i, entry in zip(np.repeat(np.arange(len(ids)), count), entries[places], strict=True)
     ]
     assert len(found) == len(set(found)), "a neighbour is listed twice"
     return set(found)
@@ -59,11 +63,12 @@ def test_where_particles_are_in_memory_changes_nothing_but_rounding(scheme, monk
         assert error < 1e-10 * scale, name
 
 
+@pytest.mark.parametrize("policy", [GENEROUS, THRIFTY], ids=["generous", "thrifty"])
 @pytest.mark.parametrize("precision", [*REALS, "mixed"])
 @pytest.mark.parametrize("dim", DOUBLE)
-def test_rows_hold_every_pair(dim, precision):
+def test_rows_hold_every_pair(dim, precision, policy):
     n = {1: 60, 2: 12, 3: 6}[dim]
-    solver = body(dim, jittered(dim, n, 0.4), precision=precision)
+    solver = body(dim, jittered(dim, n, 0.4), precision=precision, policy=policy)
     assert_complete(solver)
     moved = by_id(solver, "x")[solver.particles.id.numpy()]
     moved[:, :dim] *= np.random.default_rng(1).uniform(0.5, 2.0, size=(len(moved), dim))
@@ -97,14 +102,28 @@ def test_rows_far_from_the_origin(dim, shift):
     assert_complete(body(dim, x))
 
 
+@pytest.mark.parametrize("policy", [GENEROUS, THRIFTY], ids=["generous", "thrifty"])
 @pytest.mark.parametrize("dim", DOUBLE)
-def test_rows_grow_where_particles_clump(dim):
-    solver = body(dim, jittered(dim, {1: 60, 2: 12, 3: 6}[dim]))
+def test_rows_grow_where_particles_clump(dim, policy):
+    solver = body(dim, jittered(dim, {1: 60, 2: 12, 3: 6}[dim]), policy=policy)
     before = len(listed(solver))
     solver.particles.x.assign(0.4 * solver.particles.x.numpy())
     solver.relist()
     assert len(listed(solver)) > 2 * before
     assert_complete(solver)
+
+
+def test_rows_of_a_warp_stand_side_by_side():
+    """The k-th entries of 32 particles are next to each other, and the next 32 have rows of their own."""
+    rows = body(2, jittered(2, 12), policy=THRIFTY).neighbours
+    start, count, n = rows.start.numpy(), rows.n_neigh.numpy(), 12 * 12
+    group = np.arange(n) // COLUMNS
+    np.testing.assert_array_equal(start[:n] - start[group * COLUMNS], np.arange(n) % COLUMNS)
+    ends = np.append(start[COLUMNS:n:COLUMNS], start[n])
+    room = (ends - start[:n:COLUMNS]) // COLUMNS
+    longest = np.maximum.reduceat(count, np.arange(0, n, COLUMNS))
+    np.testing.assert_array_equal(room, longest + longest // THRIFTY.divisor + THRIFTY.spare)
+    assert rows.neigh.size >= start[n]
 
 
 @pytest.mark.parametrize("axes", ["x", "xy", "xyz"])

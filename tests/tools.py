@@ -34,11 +34,13 @@ def scene(dim, until=1.0, **numerics):
     return Scene("test", dim=dim, spacing=SPACING, until=until, numerics=Numerics(**numerics))
 
 
-def body(dim, points, velocity=(0.0, 0.0, 0.0), material=ELASTIC, precision="float64", **numerics):
+def body(
+    dim, points, velocity=(0.0, 0.0, 0.0), material=ELASTIC, precision="float64", policy=None, **numerics
+):
     """Solver of one body of given points; ``velocity`` may be one for each."""
     made = scene(dim, **numerics)
     made.add_body("body", points, material, velocity=velocity)
-    return Solver(made.finalize(), precision=precision)
+    return Solver(made.finalize(), precision=precision, policy=policy)
 
 
 def collision(dim=2, radius=4.5, speed=400.0, material="aluminium", **numerics):

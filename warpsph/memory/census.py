@@ -9,6 +9,9 @@ from warpsph.scene import SceneData
 SAMPLE = 400
 """Particles that are looked at; their mean is good to one or two per cent."""
 
+GROUPS = 64
+"""Groups of particles that are looked at where their rows stand side by side."""
+
 SEED = 20130611
 """Seed of their choice."""
 
@@ -25,6 +28,20 @@ STRIDE = 1 << 21
 def sample(n: int) -> np.ndarray:
     """Indices of some of n particles, of all if they are few; the same in every run."""
     return np.arange(n) if n <= SAMPLE else np.random.default_rng(SEED).choice(n, SAMPLE, replace=False)
+
+
+def groups(order: np.ndarray, columns: int) -> np.ndarray:
+    """Some groups of particles whose rows stand side by side, or all, shape [g, columns]; the same in every run.
+
+    Args:
+        order: The particles in their order in memory.
+        columns: Rows that stand side by side; the last group's last particle is told again for those that it lacks.
+    """
+    count = -(-len(order) // columns)
+    chosen = np.arange(count)
+    if count > GROUPS:
+        chosen = np.random.default_rng(SEED).choice(count, GROUPS, replace=False)
+    return order[np.minimum(chosen[:, None] * columns + np.arange(columns), len(order) - 1)]
 
 
 def neighbours(data: SceneData, chosen: np.ndarray, radius: float, same_body: bool = False) -> np.ndarray:

@@ -14,7 +14,7 @@ from warpsph.particles import element_types
 from warpsph.scene import SceneData
 from warpsph.schemes.scheme import Scheme
 from warpsph.search.block import LINE
-from warpsph.search.cells import count_cells
+from warpsph.search.cells import count_cells, order_of
 from warpsph.search.rows import lasting
 from warpsph.search.tiles import first_width, tiles_of
 
@@ -98,20 +98,30 @@ def _rows(
     beside += most * (2 * point + 2 * vec + 4 + 16 * selective + hands * (real + (hands > 1) * 2 * vec))
     if not scheme.searching:
         return 0, 0, beside
-    chosen = census.sample(n)
-    rooms = _rooms(census.neighbours(data, chosen, radius), policy)
-    everyone = 4 * policy.growth * n * float(rooms.mean())
+    chosen = _chosen(data, spec, radius)
+    counts = census.neighbours(data, chosen.ravel(), radius).reshape(chosen.shape)
+    everyone = 4 * policy.growth * _entries(n, counts, policy)
     if not selective:
         return int(everyone), int(everyone), beside
     width = first_width(n, most, data.spacing, data.dim)
     listed = census.with_rows(data, radius, width, most)
-    rooms = np.where(listed[chosen], rooms, _rooms(np.zeros(1), policy))
-    return int(4 * policy.growth * n * float(rooms.mean())), int(everyone), beside
+    counts[~listed[chosen]] = 0
+    return int(4 * policy.growth * _entries(n, counts, policy)), int(everyone), beside
 
 
-def _rooms(counts: np.ndarray, policy: Policy) -> np.ndarray:
-    """Entries that rows get, see `kernels.neighbours.reserve`."""
-    return -(-(counts + counts // policy.divisor + policy.spare) // policy.lanes) * policy.lanes
+def _chosen(data: SceneData, spec: Spec, radius: float) -> np.ndarray:
+    """Particles whose neighbours are counted, shape [groups, columns]: a group's rows stand side by side."""
+    if spec.columns == 1:
+        return census.sample(len(data.x))[:, None]
+    counts = count_cells(data.x, data.dim, radius, [axis for axis, _ in data.planes])
+    return census.groups(order_of(data.x, counts, radius), spec.columns)
+
+
+def _entries(n: int, counts: np.ndarray, policy: Policy) -> float:
+    """Entries that n rows get, see `kernels.neighbours.reserve`; ``counts``: neighbours in some groups of rows."""
+    columns, longest = counts.shape[1], counts.max(axis=1)
+    rooms = -(-(longest + longest // policy.divisor + policy.spare) // policy.lanes) * policy.lanes
+    return -(-n // columns) * columns * float(rooms.mean())
 
 
 def _work_space(n: int, data: SceneData, spec: Spec, scheme: Scheme, largest: int) -> int:
@@ -129,8 +139,9 @@ def _cells(data: SceneData, reach: float, mirrored: list[int]) -> int:
 def _reference(data: SceneData, spec: Spec, scheme: Scheme, policy: Policy) -> int:
     """Bytes of reference rows and of what goes with each entry and each particle."""
     n, size, reach = len(data.x), wp.types.type_size_in_bytes, scheme.support * data.h
-    counts = census.neighbours(data, census.sample(n), reach, same_body=True)
-    entries = n * float(_rooms(counts, lasting(policy)).mean())
+    chosen = _chosen(data, spec, reach + data.numerics.skin * data.h)  # in the order for the present rows
+    counts = census.neighbours(data, chosen.ravel(), reach, same_body=True).reshape(chosen.shape)
+    entries = _entries(n, counts, lasting(policy))
     corrected = scheme.reference_correction
     own = 8 + size(spec.vec) + (size(spec.mat) + size(spec.vec) if corrected else 0)
     rows = max(4 * entries, 16 * n + 4 * _cells(data, reach, []))

@@ -27,7 +27,7 @@ class Policy:
 GENEROUS = Policy(lanes=LANES, divisor=2, spare=16, growth=1.2)
 """On a CPU, where memory is plentiful and a second search dear."""
 
-THRIFTY = Policy(lanes=1, divisor=16, spare=2, growth=1.03)
+THRIFTY = Policy(lanes=1, divisor=32, spare=1, growth=1.03)
 """On a GPU, where memory bounds the number of particles."""
 
 

@@ -89,3 +89,18 @@ def count_cells(x: np.ndarray, dim: int, reach: float, mirrored: Sequence[int] =
     while 2 * math.prod(counts) <= most:
         counts[int(np.argmin(counts))] *= 2
     return tuple(counts + [1] * (3 - len(counts)))
+
+
+def order_of(x: np.ndarray, counts: Sequence[int], reach: float) -> np.ndarray:
+    """The order that `CellList.build` brings particles into, found on the host; rounding may tell the odd one's cell.
+
+    Args:
+        x: Positions [m], shape [n, 3].
+        counts: Cells along x, y and z, see `count_cells`.
+        reach: Reach of the rows [m].
+    """
+    width, number = (1.0 + MARGIN) * reach, np.zeros(len(x), dtype=np.int32)
+    for axis, along in ((2, 1), (1, 1), (0, ALONG)):
+        cell = np.floor(x[:, axis] * (along / width)).astype(np.int64)
+        number = number * counts[axis] + (cell & (counts[axis] - 1)).astype(np.int32)
+    return np.argsort(number, kind="stable")

@@ -27,7 +27,7 @@ class Neighbours:
     sorted in memory once and for all: reference neighbours stay the same.
 
     Attributes:
-        start: Row offsets, shape [n + 1], int32.
+        start: Where rows begin, shape [n + 1], int32, see `warpsph.search.rows.Rows`.
         n_neigh: Entries in use in each row, shape [n], int32.
         neigh: Entries, see `warpsph.search.rows.Rows`.
         role: 0: no row; 1: a row; 2: its tile may have Eulerian particles; below 0: was eroded, see `kernels.tiles`;
@@ -93,7 +93,7 @@ class Neighbours:
 
     @property
     def start(self) -> wp.array | Pieces:
-        """Row offsets, shape [n + 1], int32."""
+        """Where rows begin, shape [n + 1], int32."""
         return self.search.start
 
     @property

@@ -23,7 +23,7 @@ class Reference:
     """Rows of neighbours of the same body in the reference configuration, and what the step loops need of them.
 
     Attributes:
-        start0: Row offsets, shape [n + 1], int32.
+        start0: Where rows begin, shape [n + 1], int32, see `warpsph.search.rows.Rows`.
         n_neigh0: Entries in use in each row, shape [n], int32.
         neigh0: Entries, see `warpsph.search.rows.Rows`.
         slope0: V0_b W'/r of the entries [1/m²], shape [capacity].

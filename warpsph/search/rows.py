@@ -15,10 +15,11 @@ from .block import Block, borrowed
 from .cells import CellList
 
 LENGTH = 1 << 22
-"""Particles whose rows share an array: it has no more than 2^31 entries, hence 500 for each of them."""
+"""Particles whose rows share an array: it has less than 2^31 entries, hence 450 for each of them. Rows that stand side
+by side share one, so it is a multiple of their number."""
 
-MOST_ENTRIES = 2**31 - 2**24
-"""Entries of an array at most: a search that counts on beyond the last row's end stays below 2^31."""
+MOST_ENTRIES = 2**31 - 2**28
+"""Entries of an array at most: a search that counts on beyond the last row's end, by 32 at a time, stays below 2^31."""
 
 
 class Rows:
@@ -26,7 +27,8 @@ class Rows:
 
     Attributes:
         cells: The particles by cells, as they were last sorted.
-        start: Row offsets, shape [n + 1], int32; `Pieces` of these if there are more than `LENGTH` particles.
+        start: Where rows begin, shape [n + 1], int32; `Pieces` of these if there are more than `LENGTH` particles. On a
+            GPU those of 32 particles stand side by side, see `kernels.neighbours`.
         neigh: Entries (particle index and mirror bits), shape [capacity], int32, in pieces as ``start`` is.
         n_neigh: Entries in use in each row, shape [n], int32.
         generation: Changes when entries have moved in memory: launches must be bound again.
