@@ -8,6 +8,7 @@ import warp as wp
 from .kernel_type import LAGRANGIAN
 from .lanes import make_lanes, make_reads
 from .mirror import make_mirror
+from .packets import make_near
 from .spec import Spec
 from .tensor import make_tensor
 
@@ -42,7 +43,8 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
     options = ("corrected" * corrected, "planes" * planes)
     module = s.module(__name__, "_".join(filter(None, options)))
     over_lanes = s.module(__name__, "_".join(filter(None, ("rate", *options))), lanes=True)
-    read = make_reads(s)
+    read, near = make_reads(s), make_near(s)
+    X_of, put, Packet, Part = near.X, near.put, near.rest.dtype, near.tensors.dtype
     lanes = make_lanes(s)
     row_end, stride = lanes.row_end, lanes.stride
 
@@ -61,6 +63,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         kernel_type: wp.array[wp.int32],
         interface: wp.array[wp.int32],
         G0: wp.array[vec],
+        rest: wp.array[Packet],
         plane: point,
         dt: wp.array[real],
         start0: wp.array[wp.int32],
@@ -90,7 +93,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
             j = mirror.index(read.integer(neigh0, k))
             sign = mirror.sign(read.integer(neigh0, k))
             u = mirror.vector(read.vec(v, j), sign) - vi
-            g = read.real(slope0, k) * mirror.apart(Xi, read.point(X, j), sign, plane)
+            g = read.real(slope0, k) * mirror.apart(Xi, X_of(X, rest, j), sign, plane)
             xx += u[0] * g[0]
             if wp.static(dim > 1):
                 xy += u[0] * g[1]
@@ -169,8 +172,8 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         interface: wp.array[wp.int32],
         dt: wp.array[real],
         # out:
-        cof: wp.array[mat],
-        P: wp.array[mat],
+        cof: wp.array[Part],
+        P: wp.array[Part],
         shrink: wp.array[real],
     ):
         """cof = J F⁻ᵀ K [-] and P = σ J F⁻ᵀ K [Pa], the first Piola-Kirchhoff stress with K (section 4; paper A eq 12).
@@ -189,8 +192,8 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         cofactor = wp.determinant(F[i]) * wp.transpose(inverse)
         if wp.static(corrected):
             cofactor = cofactor * K0[i]
-        cof[i] = cofactor
-        P[i] = unpack(sig[i]) * cofactor
+        put(cof, i, cofactor)
+        put(P, i, unpack(sig[i]) * cofactor)
         C = inverse * wp.transpose(inverse)
         widest = real(0.0)
         for c in range(3):

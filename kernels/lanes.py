@@ -64,24 +64,24 @@ def _read(element: type) -> wp.Function:
     Warp reads an array with the stride that it has at run time. The compiler then gathers even what lies side by side,
     and multiplies to find it; a vector of three single-precision numbers it reads in two pieces.
     """
-    if element in NAMES:
-        return _native(element, "return a.data[i];")
-    name, shape = NAMES[element._wp_scalar_type_], element._shape_
-    if len(shape) == 1:
-        places = [f"c[{k}]" for k in range(shape[0])]
-        kind = f"wp::vec_t<{shape[0]}, {name}>"
-    else:
-        places = [f"data[{row}][{column}]" for row in range(shape[0]) for column in range(shape[1])]
-        kind = f"wp::mat_t<{shape[0]}, {shape[1]}, {name}>"
-    copies = " ".join(f"r.{place} = a.data[i].{place};" for place in places)
-    return _native(element, f"{kind} r; {copies} return r;")
+    kind, parts = in_c(element)
+    copies = " ".join(f"r{part} = a.data[i]{part};" for part in parts)
 
-
-def _native(element: type, snippet: str) -> wp.Function:
-    @wp.func_native(snippet)
+    @wp.func_native(f"{kind} r; {copies} return r;")
     def get(a: wp.array[element], i: wp.int32) -> element: ...
 
     return get
+
+
+def in_c(element: type) -> tuple[str, list[str]]:
+    """The name in C of a scalar, vector or matrix type, and what to put after a variable for each of its numbers."""
+    if element in NAMES:
+        return NAMES[element], [""]
+    name, shape = NAMES[element._wp_scalar_type_], element._shape_
+    if len(shape) == 1:
+        return f"wp::vec_t<{shape[0]}, {name}>", [f".c[{k}]" for k in range(shape[0])]
+    parts = [f".data[{row}][{column}]" for row in range(shape[0]) for column in range(shape[1])]
+    return f"wp::mat_t<{shape[0]}, {shape[1]}, {name}>", parts
 
 
 @functools.cache

@@ -9,6 +9,7 @@ from .hourglass import make_hourglass
 from .kernel_type import ERODED, LAGRANGIAN
 from .lanes import make_lanes, make_reads
 from .mirror import make_mirror
+from .packets import make_near
 from .parts import HOURGLASS, VISCOUS, Parts, part_types
 from .parts import tag as tag_of
 from .smoothing import Smoothing
@@ -57,9 +58,12 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
     viscous, zero_energy = (terms.parts.index(p) if p in terms.parts else 0 for p in (VISCOUS, HOURGLASS))
     restoring, w = make_hourglass(s), smoothing.w
     dot, product, half, zero, dim = tensor.dot, tensor.product, real(0.5), real(0.0), s.dim
-    read = make_reads(s)
+    read, near = make_reads(s), make_near(s)
+    moving, resting, X_of, tensor_of = near.moving, near.resting, near.X, near.tensor
+    Packet, Part = near.motion.dtype, near.tensors.dtype
     lanes = make_lanes(s)
     raised, value, row_end, Bits, stride = lanes.raised, lanes.value, lanes.row_end, lanes.Bits, lanes.stride
+    worth = lanes.worth
     coupled, controlled = terms.coupled, terms.hourglass
 
     @wp.func
@@ -68,11 +72,11 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
         return mirror.vector(product(T, mirror.vector(b, sign)), sign)
 
     @wp.func
-    def areal(rho: wp.array[real], thickness: wp.array[real], i: wp.int32):
+    def areal(rho: real, thickness: wp.array[real], i: wp.int32):
         """Mass over volume in the space of the problem, μ."""
         if wp.static(terms.sheet):
-            return read.real(rho, i) * read.real(thickness, i)
-        return read.real(rho, i)
+            return rho * read.real(thickness, i)
+        return rho
 
     @wp.kernel(module=s.module(__name__, "_".join(p for p in (smoothing.name, terms.tag) if p), lanes=True))
     def momentum_lagrangian(
@@ -88,9 +92,11 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
         cs: wp.array[real],
         rate0: wp.array[matrix],
         F: wp.array[matrix],
-        cof: wp.array[matrix],
-        P: wp.array[matrix],
+        cof: wp.array[Part],
+        P: wp.array[Part],
         G0: wp.array[vec],
+        motion: wp.array[Packet],
+        rest: wp.array[Packet],
         mat: wp.array[wp.int32],
         stiffness: wp.array[real],
         kernel_type: wp.array[wp.int32],
@@ -130,8 +136,10 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                 return
         first = start0[i]
         last = row_end(first, wp.where(kernel_type[i] == ERODED, 0, n_neigh0[i]))
-        xi, vi, P_i, cof_i = read.point(x, i), read.vec(v, i), P[i], cof[i]
-        rho_i, cs_i, areal_i = rho[i], cs[i], areal(rho, thickness, i)
+        xi, vi, cof_i = read.point(x, i), read.vec(v, i), tensor_of(cof, i)
+        if wp.static(coupled):
+            P_i = tensor_of(P, i)
+        rho_i, cs_i, areal_i = rho[i], cs[i], areal(rho[i], thickness, i)
         # scalars, not vectors: the compiler keeps them in registers
         f_x, f_y, f_z, power = real(0.0), real(0.0), real(0.0), real(0.0)
         visc_x, visc_y, visc_z, visc_power = real(0.0), real(0.0), real(0.0), real(0.0)
@@ -146,16 +154,20 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                 counts = counts and read.integer(kernel_type, j) != ERODED
             if wp.static(coupled):
                 counts = counts and (lagrangian or read.integer(kernel_type, j) == LAGRANGIAN)
-            own = wp.where(counts, real(read.real(slope0, k)), zero) * mirror.apart(
-                read.point(X, i), read.point(X, j), sign, plane
-            )
+            if wp.static(terms.corrected):
+                X_j, G_j = resting(X, G0, rest, j)
+            else:
+                X_j = X_of(X, rest, j)
+            Xij = mirror.apart(read.point(X, i), X_j, sign, plane)
+            own = wp.where(counts, real(read.real(slope0, k)), zero) * Xij
             back = -own
             if wp.static(terms.corrected):
                 weight = wp.where(counts, real(read.real(w0, k)), zero)
                 own -= weight * read.vec(G0, i)
-                back -= weight * mirror.vector(read.vec(G0, j), sign)
-            vji = mirror.vector(read.vec(v, j), sign) - vi
-            stress = of_image(read.mat(P, j), back, sign)
+                back -= weight * mirror.vector(G_j, sign)
+            x_j, v_j, rho_j, cs_j = moving(x, v, rho, cs, motion, j)
+            vji = mirror.vector(v_j, sign) - vi
+            stress = of_image(tensor_of(P, j), back, sign)
             f_x -= stress[0]
             if wp.static(dim > 1):
                 f_y -= stress[1]
@@ -170,26 +182,22 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                         f_y += inner[1]
                     if wp.static(dim > 2):
                         f_z += inner[2]
-            xij = mirror.apart(xi, read.point(x, j), sign, plane)
+            xij = mirror.apart(xi, x_j, sign, plane)
             mu_ij = viscosity.approach(wp.where(counts, -dot(vji, xij), zero), dot(xij, xij), h)
             mu_top = raised(mu_top, -mu_ij)
-            pi_ij = viscosity.pressure(
-                mu_ij,
-                half * (cs_i + read.real(cs, j)),
-                half * (rho_i + read.real(rho, j)),
-                viscosity_alpha,
-                viscosity_beta,
-            )
-            area = of_image(read.mat(cof, j), back, sign) - product(cof_i, own)
-            drag = (half * pi_ij * areal_i * areal(rho, thickness, j)) * area
-            visc_power += dot(vji, drag)
-            visc_x += drag[0]
-            if wp.static(dim > 1):
-                visc_y += drag[1]
-            if wp.static(dim > 2):
-                visc_z += drag[2]
+            if worth(mu_ij < zero):
+                pi_ij = viscosity.pressure(
+                    mu_ij, half * (cs_i + cs_j), half * (rho_i + rho_j), viscosity_alpha, viscosity_beta
+                )
+                area = of_image(tensor_of(cof, j), back, sign) - product(cof_i, own)
+                drag = (half * pi_ij * areal_i * areal(rho_j, thickness, j)) * area
+                visc_power += dot(vji, drag)
+                visc_x += drag[0]
+                if wp.static(dim > 1):
+                    visc_y += drag[1]
+                if wp.static(dim > 2):
+                    visc_z += drag[2]
             if wp.static(controlled):
-                Xij = mirror.apart(read.point(X, i), read.point(X, j), sign, plane)
                 r0, r = wp.sqrt(dot(Xij, Xij)), wp.sqrt(dot(xij, xij))
                 E_i, E_j = stiffness[mat[i]], stiffness[read.integer(mat, j)]
                 size = restoring(
@@ -205,11 +213,12 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
             k += stride
         mu_max = value(mu_top)
         if lagrangian:
-            inner = product(P_i, q0_sum[i])
+            P_own = tensor_of(P, i)  # not before the loop, through which it would take registers
+            inner = product(P_own, q0_sum[i])
             f_x += inner[0]
             f_y += inner[1]
             f_z += inner[2]
-            power = wp.ddot(P_i, rate0[i])
+            power = wp.ddot(P_own, rate0[i])
         per_mass = vol0[i] / m[i]
         a, powers = Accelerations(), Powers()
         dv, de = vec(), real(0.0)

@@ -64,7 +64,14 @@ class Adaptive(Lagrangian):
 
     def probe(self, bind: Bind) -> list[Command]:
         """Forces and approach speeds."""
-        return bound(bind, self._correction, self._momentum, self._momentum_lagrangian, self._contact)
+        return bound(
+            bind,
+            self._correction,
+            self._momentum,
+            self._packing.motion,
+            self._momentum_lagrangian,
+            self._contact,
+        )
 
     def step(self, bind: Bind) -> list[Command]:
         """One step from (x, v, e, ρ or F, τ) at t to t + dt."""
@@ -72,6 +79,7 @@ class Adaptive(Lagrangian):
             bind,
             self._correction,  # S, G, K at x, where there are rows
             self._momentum,  # A and B of pairs in the Eulerian form
+            self._packing.motion,  # x, v, ρ and cs, as a GPU reads them
             self._momentum_lagrangian,  # and of those in the Lagrangian one
             self._contact,  # and from other bodies
             self._integrate.kick,  # v' = v + dt A, e' exact in energy

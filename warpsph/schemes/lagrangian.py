@@ -9,6 +9,7 @@ from warpsph.device.launch import Command
 from warpsph.kernels.conversion import Criteria, make_conversion
 from warpsph.kernels.deformation import make_deformation
 from warpsph.kernels.momentum_lagrangian import LagrangianTerms, make_momentum_lagrangian
+from warpsph.kernels.packets import PackingKernels, make_near, make_packing
 from warpsph.kernels.parts import HOURGLASS, VISCOUS
 from warpsph.kernels.spec import Spec
 from warpsph.search.reference import Reference
@@ -16,6 +17,9 @@ from warpsph.search.reference import Reference
 from . import LagrangianSettings
 from .eulerian import viscosity
 from .scheme import Bind, Scheme, Traits, bound
+
+NO_PACKING = PackingKernels(None, None)
+"""Pair loops of a CPU read the arrays that there are."""
 
 
 class Lagrangian(Scheme):
@@ -60,6 +64,7 @@ class Lagrangian(Scheme):
         self.viscosity_alpha, self.viscosity_beta = viscosity(settings, numerics)
         self.reference_correction, self.hourglass = settings.correction, numerics.hourglass
         self._deformation = make_deformation(spec, settings.correction, planes)
+        self._packing = make_packing(spec, settings.correction) if spec.columns > 1 else NO_PACKING
         given = numerics.conversion
         self.turns = int(numerics.inverted == "convert")
         self.layers, self.strain_limit = (given.layers, given.strain or 1.0) if given else (0, 1.0)
@@ -70,13 +75,16 @@ class Lagrangian(Scheme):
         s = self._spec
         fresh = {
             "rate0": s.mat,
-            "cof": s.mat,
-            "P": s.mat,
             "fate": wp.int32,
             "fate_next": wp.int32,
             "interface": wp.int32,
         }
         lagrangian = {name: wp.zeros(n, dtype=dtype) for name, dtype in fresh.items()}
+        near, packed = make_near(s), s.columns > 1
+        for name, layout in {"cof": near.tensors, "P": near.tensors}.items():
+            lagrangian[name] = wp.zeros(layout.each * n, dtype=layout.dtype)
+        for name, layout in {"motion": near.motion, "rest": near.rest}.items():
+            lagrangian[name] = wp.zeros(layout.each * n if packed else 1, dtype=layout.dtype)
         flags = {name: wp.zeros(1, dtype=s.real) for name in ("spreading", "changed")}
         return super().arrays(n) | lagrangian | flags | {"shrink": wp.ones(n, dtype=s.real)}
 
@@ -84,6 +92,7 @@ class Lagrangian(Scheme):
         """Reference pairs from X, interfaces from the kernel types, Fdot from v, cofactor and P from F and σ."""
         return [
             *self.reference.pairs(bind, "dt"),
+            *bound(bind, self._packing.rest),
             bind(self._ends.interfaces, changed="dt"),
             bind(self._deformation.rate),
             bind(self._deformation.piola),
@@ -113,12 +122,13 @@ class TotalLagrangian(Lagrangian):
 
     def probe(self, bind: Bind) -> list[Command]:
         """Forces and approach speeds."""
-        return bound(bind, self._momentum, self._contact)
+        return bound(bind, self._packing.motion, self._momentum, self._contact)
 
     def step(self, bind: Bind) -> list[Command]:
         """One step from (x, v, e, F, τ) at t to t + dt."""
         motion = bound(
             bind,
+            self._packing.motion,  # x, v, ρ and cs, as a GPU reads them
             self._momentum,  # A and B from P at x
             self._contact,  # and from other bodies
             self._integrate.kick,  # v' = v + dt A, e' exact in energy
