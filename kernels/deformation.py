@@ -10,7 +10,6 @@ from .lanes import make_lanes, make_reads
 from .mirror import make_mirror
 from .packets import make_near
 from .spec import Spec
-from .tensor import make_tensor
 
 SMALLEST_J = 0.01
 """A deformation gradient of a smaller determinant is none: matter is not compressed a hundredfold, it has turned over."""
@@ -37,14 +36,14 @@ class DeformationKernels(NamedTuple):
 def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKernels:
     """Build the kernels for one specialisation; ``corrected``: gradients are, in the reference configuration."""
     real, vec, mat, point, dim = s.real, s.vec, s.mat, s.point, s.dim
-    mirror, unpack = make_mirror(s, planes), make_tensor(s).unpack
+    mirror = make_mirror(s, planes)
     half, zero, one, smallest = real(0.5), real(0.0), real(1.0), real(SMALLEST_J)
     mismatch, contraction2 = real(LARGEST_MISMATCH), real(LARGEST_CONTRACTION**2)
     options = ("corrected" * corrected, "planes" * planes)
     module = s.module(__name__, "_".join(filter(None, options)))
     over_lanes = s.module(__name__, "_".join(filter(None, ("rate", *options))), lanes=True)
     read, near = make_reads(s), make_near(s)
-    X_of, put, Packet, Part = near.X, near.put, near.rest.dtype, near.tensors.dtype
+    put, Packet, Cofactor = near.put, near.rest.dtype, near.cofs.dtype
     lanes = make_lanes(s)
     row_end, stride = lanes.row_end, lanes.stride
 
@@ -93,7 +92,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
             j = mirror.index(read.integer(neigh0, k))
             sign = mirror.sign(read.integer(neigh0, k))
             u = mirror.vector(read.vec(v, j), sign) - vi
-            g = read.real(slope0, k) * mirror.apart(Xi, X_of(X, rest, j), sign, plane)
+            g = read.real(slope0, k) * mirror.apart(Xi, near.X_alone(X, rest, j), sign, plane)
             xx += u[0] * g[0]
             if wp.static(dim > 1):
                 xy += u[0] * g[1]
@@ -172,13 +171,14 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         interface: wp.array[wp.int32],
         dt: wp.array[real],
         # out:
-        cof: wp.array[Part],
-        P: wp.array[Part],
+        cof: wp.array[Cofactor],
+        P: wp.array[mat],
         shrink: wp.array[real],
     ):
         """cof = J F⁻ᵀ K [-] and P = σ J F⁻ᵀ K [Pa], the first Piola-Kirchhoff stress with K (section 4; paper A eq 12).
 
-        K is the correction in the reference configuration, 1 without: the forces need either only in front of it.
+        K is the correction in the reference configuration, 1 without: the forces need either only in front of it. A GPU
+        keeps σ for P, see `packets`.
         shrink bounds the largest contraction of a line, 1/λ_min <= sqrt(|F⁻¹ F⁻ᵀ|∞): waves cross the reference
         configuration so much faster. It is exact where the principal directions are the axes; 1 for particles without F.
         """
@@ -192,8 +192,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         cofactor = wp.determinant(F[i]) * wp.transpose(inverse)
         if wp.static(corrected):
             cofactor = cofactor * K0[i]
-        put(cof, i, cofactor)
-        put(P, i, unpack(sig[i]) * cofactor)
+        put(P, cof, i, cofactor, sig[i])
         C = inverse * wp.transpose(inverse)
         widest = real(0.0)
         for c in range(3):

@@ -59,17 +59,11 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
     restoring, w = make_hourglass(s), smoothing.w
     dot, product, half, zero, dim = tensor.dot, tensor.product, real(0.5), real(0.0), s.dim
     read, near = make_reads(s), make_near(s)
-    moving, resting, X_of, tensor_of = near.moving, near.resting, near.X, near.tensor
-    Packet, Part = near.motion.dtype, near.tensors.dtype
+    Packet, Cofactor = near.motion.dtype, near.cofs.dtype
     lanes = make_lanes(s)
     raised, value, row_end, Bits, stride = lanes.raised, lanes.value, lanes.row_end, lanes.Bits, lanes.stride
     worth = lanes.worth
     coupled, controlled = terms.coupled, terms.hourglass
-
-    @wp.func
-    def of_image(T: matrix, b: vec, sign: vec):
-        """T b of a mirror image, whose tensor is T with the signs of two axes: cheaper than to mirror T."""
-        return mirror.vector(product(T, mirror.vector(b, sign)), sign)
 
     @wp.func
     def areal(rho: real, thickness: wp.array[real], i: wp.int32):
@@ -92,8 +86,9 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
         cs: wp.array[real],
         rate0: wp.array[matrix],
         F: wp.array[matrix],
-        cof: wp.array[Part],
-        P: wp.array[Part],
+        sig: wp.array[s.sym],
+        cof: wp.array[Cofactor],
+        P: wp.array[matrix],
         G0: wp.array[vec],
         motion: wp.array[Packet],
         rest: wp.array[Packet],
@@ -136,9 +131,10 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                 return
         first = start0[i]
         last = row_end(first, wp.where(kernel_type[i] == ERODED, 0, n_neigh0[i]))
-        xi, vi, cof_i = read.point(x, i), read.vec(v, i), tensor_of(cof, i)
+        xi, vi = read.point(x, i), read.vec(v, i)
+        cof_i = near.cofactor(cof, i)
         if wp.static(coupled):
-            P_i = tensor_of(P, i)
+            P_i = near.piola(P, sig, cof, i)
         rho_i, cs_i, areal_i = rho[i], cs[i], areal(rho[i], thickness, i)
         # scalars, not vectors: the compiler keeps them in registers
         f_x, f_y, f_z, power = real(0.0), real(0.0), real(0.0), real(0.0)
@@ -154,20 +150,18 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                 counts = counts and read.integer(kernel_type, j) != ERODED
             if wp.static(coupled):
                 counts = counts and (lagrangian or read.integer(kernel_type, j) == LAGRANGIAN)
-            if wp.static(terms.corrected):
-                X_j, G_j = resting(X, G0, rest, j)
-            else:
-                X_j = X_of(X, rest, j)
-            Xij = mirror.apart(read.point(X, i), X_j, sign, plane)
+            at_rest = near.resting(rest, j)
+            Xij = mirror.apart(read.point(X, i), near.X(X, at_rest, j), sign, plane)
             own = wp.where(counts, real(read.real(slope0, k)), zero) * Xij
             back = -own
             if wp.static(terms.corrected):
                 weight = wp.where(counts, real(read.real(w0, k)), zero)
                 own -= weight * read.vec(G0, i)
-                back -= weight * mirror.vector(G_j, sign)
-            x_j, v_j, rho_j, cs_j = moving(x, v, rho, cs, motion, j)
-            vji = mirror.vector(v_j, sign) - vi
-            stress = of_image(tensor_of(P, j), back, sign)
+                back -= weight * mirror.vector(near.G0(G0, at_rest, j), sign)
+            in_motion, strained = near.moving(motion, j), near.strained(cof, j)
+            vji = mirror.vector(near.v(v, in_motion, j), sign) - vi
+            facing = mirror.vector(back, sign)  # of an image: it is cheaper to mirror vectors than tensors
+            stress = mirror.vector(near.P_times(P, strained, j, facing), sign)
             f_x -= stress[0]
             if wp.static(dim > 1):
                 f_y -= stress[1]
@@ -182,14 +176,19 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                         f_y += inner[1]
                     if wp.static(dim > 2):
                         f_z += inner[2]
-            xij = mirror.apart(xi, x_j, sign, plane)
+            xij = mirror.apart(xi, near.x(x, in_motion, j), sign, plane)
             mu_ij = viscosity.approach(wp.where(counts, -dot(vji, xij), zero), dot(xij, xij), h)
             mu_top = raised(mu_top, -mu_ij)
             if worth(mu_ij < zero):
+                rho_j = real(near.rho(rho, in_motion, j))
                 pi_ij = viscosity.pressure(
-                    mu_ij, half * (cs_i + cs_j), half * (rho_i + rho_j), viscosity_alpha, viscosity_beta
+                    mu_ij,
+                    half * (cs_i + near.cs(cs, in_motion, j)),
+                    half * (rho_i + rho_j),
+                    viscosity_alpha,
+                    viscosity_beta,
                 )
-                area = of_image(tensor_of(cof, j), back, sign) - product(cof_i, own)
+                area = mirror.vector(near.cof_times(cof, strained, j, facing), sign) - product(cof_i, own)
                 drag = (half * pi_ij * areal_i * areal(rho_j, thickness, j)) * area
                 visc_power += dot(vji, drag)
                 visc_x += drag[0]
@@ -213,7 +212,7 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
             k += stride
         mu_max = value(mu_top)
         if lagrangian:
-            P_own = tensor_of(P, i)  # not before the loop, through which it would take registers
+            P_own = near.piola(P, sig, cof, i)  # not before the loop, through which it would take registers
             inner = product(P_own, q0_sum[i])
             f_x += inner[0]
             f_y += inner[1]

@@ -13,6 +13,7 @@ import warp as wp
 
 from .lanes import NAMES, in_c, make_reads
 from .spec import Spec
+from .tensor import make_tensor
 
 PACKET = 16
 """Bytes of a packet: the widest load of a thread."""
@@ -21,8 +22,8 @@ FIRST, SECOND, MORE = (0, 1, 2), (4, 5, 3), (6, 7)
 """Places of two vectors in a record, and of two numbers that may follow: with single precision the first vector is in one
 packet, and in the plane double precision needs one packet for each."""
 
-TENSOR = (0, 1, 4, 2, 3, 5, 6, 7, 8)
-"""Places of the components of a tensor, row by row: those in the plane come first."""
+COFACTOR, STRESS = (0, 1, 8, 2, 3, 9, 10, 11, 12), (4, 5, 13, 6, 14, 7)
+"""Places of the components of a tensor, row by row, and of a symmetric one: those in the plane come first."""
 
 
 class Layout(NamedTuple):
@@ -38,27 +39,49 @@ class Layout(NamedTuple):
 
 
 class Near(NamedTuple):
-    """Device functions that read of a particle j, from its own arrays on a CPU and from ``motion`` or ``rest`` on a GPU.
+    """Device functions that read of a particle j: on a GPU a whole record r, once, of which the others take their part.
+
+    On a CPU r is nothing, and each of them reads its own array, where it is needed: lanes are short of registers.
 
     Attributes:
-        moving: (x, v, rho, cs, motion, j): x [m], v [m/s], ρ [kg/m³] and cs [m/s].
-        resting: (X, G0, rest, j): X [m] and G0 [1/m].
-        X: (X, rest, j): X alone.
-        tensor: (T, j): a tensor that `put` has stored.
-        put: (T, j, value): store it.
+        moving: (motion, j): a record r of x, v, ρ and cs.
+        x: (x, r, j): position [m].
+        v: (v, r, j): velocity [m/s].
+        rho: (rho, r, j): density [kg/m³].
+        cs: (cs, r, j): sound speed [m/s].
+        resting: (rest, j): a record r of X and G0.
+        X: (X, r, j): reference position [m].
+        G0: (G0, r, j): correction in the reference configuration [1/m].
+        X_alone: (X, rest, j): the same X, where nothing else is read.
+        strained: (cof, j): a record r of cof and σ.
+        P_times: (P, r, j, b): P b.
+        cof_times: (cof, r, j, b): cof b.
+        cofactor: (cof, j): cof [-].
+        piola: (P, sig, cof, j): P [Pa].
+        put: (P, cof, j, cofactor, stress): store cof and P = σ cof; on a GPU cof and σ, which are fewer numbers.
         motion: Layout of ``motion``.
         rest: Layout of ``rest``.
-        tensors: Layout of an array of such tensors.
+        cofs: Layout of ``cof``; P is 1 long where that has σ.
     """
 
     moving: wp.Function
+    x: wp.Function
+    v: wp.Function
+    rho: wp.Function
+    cs: wp.Function
     resting: wp.Function
     X: wp.Function
-    tensor: wp.Function
+    G0: wp.Function
+    X_alone: wp.Function
+    strained: wp.Function
+    P_times: wp.Function
+    cof_times: wp.Function
+    cofactor: wp.Function
+    piola: wp.Function
     put: wp.Function
     motion: Layout
     rest: Layout
-    tensors: Layout
+    cofs: Layout
 
 
 class PackingKernels(NamedTuple):
@@ -112,68 +135,124 @@ def _write(layout: Layout, element: type, places: Sequence[int]) -> wp.Function:
 @functools.cache
 def make_near(s: Spec) -> Near:
     """Build the functions for one specialisation."""
-    real, vec, mat, point = s.real, s.vec, s.mat, s.point
-    motion, rest = _layout(s.place, 8), _layout(s.place, 6)
-    Packet = motion.dtype
+    return _from_arrays(s) if s.columns == 1 else _from_packets(s)
 
-    if s.columns == 1:
-        read = make_reads(s)
-        point_of, vec_of, real_of = read.point, read.vec, read.real
 
-        @wp.func
-        def moving(
-            x: wp.array[point],
-            v: wp.array[vec],
-            rho: wp.array[real],
-            cs: wp.array[real],
-            motion: wp.array[Packet],
-            j: wp.int32,
-        ):
-            return point_of(x, j), vec_of(v, j), real_of(rho, j), real_of(cs, j)
+def _layouts(s: Spec) -> tuple[Layout, Layout]:
+    """Those of ``motion`` and ``rest``."""
+    return _layout(s.place, 8), _layout(s.place, 6)
 
-        @wp.func
-        def resting(X: wp.array[point], G0: wp.array[vec], rest: wp.array[Packet], j: wp.int32):
-            return point_of(X, j), vec_of(G0, j)
 
-        @wp.func
-        def alone(X: wp.array[point], rest: wp.array[Packet], j: wp.int32):
-            return point_of(X, j)
-
-        @wp.func
-        def put(T: wp.array[mat], j: wp.int32, value: mat):
-            T[j] = value
-
-        return Near(moving, resting, alone, read.mat, put, motion, rest, Layout(mat, 1))
-
-    # all of a record at once: the compiler does not join loads of two functions
-    tensors = _layout(real, 9)
-    whole, both = (
-        _read(layout, wp.types.vector(n, s.place), range(n)) for layout, n in ((motion, 8), (rest, 6))
-    )
-    X_of, tensor, put = _read(rest, point, FIRST), _read(tensors, mat, TENSOR), _write(tensors, mat, TENSOR)
+def _from_arrays(s: Spec) -> Near:
+    real, vec, mat, sym, point = s.real, s.vec, s.mat, s.sym, s.point
+    tensor, read, (motion, rest) = make_tensor(s), make_reads(s), _layouts(s)
+    product, unpack, Packet = tensor.product, tensor.unpack, motion.dtype
+    point_of, vec_of, real_of, mat_of = read.point, read.vec, read.real, read.mat
 
     @wp.func
-    def moving(
-        x: wp.array[point],
-        v: wp.array[vec],
-        rho: wp.array[real],
-        cs: wp.array[real],
-        motion: wp.array[Packet],
-        j: wp.int32,
-    ):
-        r = whole(motion, j)
-        return point(r[0], r[1], r[2]), vec(real(r[4]), real(r[5]), real(r[3])), real(r[6]), real(r[7])
+    def nothing(packed: wp.array[Packet], j: wp.int32):
+        return j
 
     @wp.func
-    def resting(X: wp.array[point], G0: wp.array[vec], rest: wp.array[Packet], j: wp.int32):
-        r = both(rest, j)
-        return point(r[0], r[1], r[2]), vec(real(r[4]), real(r[5]), real(r[3]))
+    def place(x: wp.array[point], r: wp.int32, j: wp.int32):
+        return point_of(x, j)
 
     @wp.func
-    def alone(X: wp.array[point], rest: wp.array[Packet], j: wp.int32):
+    def vector(v: wp.array[vec], r: wp.int32, j: wp.int32):
+        return vec_of(v, j)
+
+    @wp.func
+    def number(a: wp.array[real], r: wp.int32, j: wp.int32):
+        return real_of(a, j)
+
+    @wp.func
+    def X_alone(X: wp.array[point], rest: wp.array[Packet], j: wp.int32):
+        return point_of(X, j)
+
+    @wp.func
+    def strained(cof: wp.array[mat], j: wp.int32):
+        return j
+
+    @wp.func
+    def times(T: wp.array[mat], r: wp.int32, j: wp.int32, b: vec):
+        return product(mat_of(T, j), b)
+
+    @wp.func
+    def piola(P: wp.array[mat], sig: wp.array[sym], cof: wp.array[mat], j: wp.int32):
+        return mat_of(P, j)
+
+    @wp.func
+    def put(P: wp.array[mat], cof: wp.array[mat], j: wp.int32, cofactor: mat, stress: sym):
+        cof[j] = cofactor
+        P[j] = unpack(stress) * cofactor
+
+    moving, resting = (nothing, place, vector, number, number), (nothing, place, vector, X_alone)
+    return Near(*moving, *resting, strained, times, times, read.mat, piola, put, motion, rest, Layout(mat, 1))
+
+
+def _from_packets(s: Spec) -> Near:
+    real, vec, mat, sym, point = s.real, s.vec, s.mat, s.sym, s.point
+    tensor, (motion, rest), cofs = make_tensor(s), _layouts(s), _layout(s.real, 15)
+    product, act, unpack, Packets = tensor.product, tensor.act, tensor.unpack, cofs.dtype
+    Moving, Resting, Strained = (wp.types.vector(n, k) for n, k in ((8, s.place), (6, s.place), (15, real)))
+    X_of, cofactor_of = _read(rest, point, FIRST), _read(cofs, mat, COFACTOR)
+    put_cofactor, put_stress = _write(cofs, mat, COFACTOR), _write(cofs, sym, STRESS)
+
+    @wp.func
+    def x(x: wp.array[point], r: Moving, j: wp.int32):
+        return point(r[0], r[1], r[2])
+
+    @wp.func
+    def v(v: wp.array[vec], r: Moving, j: wp.int32):
+        return vec(real(r[4]), real(r[5]), real(r[3]))
+
+    @wp.func
+    def rho(rho: wp.array[real], r: Moving, j: wp.int32):
+        return real(r[6])
+
+    @wp.func
+    def cs(cs: wp.array[real], r: Moving, j: wp.int32):
+        return real(r[7])
+
+    @wp.func
+    def X(X: wp.array[point], r: Resting, j: wp.int32):
+        return point(r[0], r[1], r[2])
+
+    @wp.func
+    def G0(G0: wp.array[vec], r: Resting, j: wp.int32):
+        return vec(real(r[4]), real(r[5]), real(r[3]))
+
+    @wp.func
+    def X_alone(X: wp.array[point], rest: wp.array[rest.dtype], j: wp.int32):
         return X_of(rest, j)
 
-    return Near(moving, resting, alone, tensor, put, motion, rest, tensors)
+    @wp.func
+    def cof_times(cof: wp.array[Packets], r: Strained, j: wp.int32, b: vec):
+        return product(mat(r[0], r[1], r[8], r[2], r[3], r[9], r[10], r[11], r[12]), b)
+
+    @wp.func
+    def P_times(P: wp.array[mat], r: Strained, j: wp.int32, b: vec):
+        turned = product(mat(r[0], r[1], r[8], r[2], r[3], r[9], r[10], r[11], r[12]), b)
+        return act(sym(r[4], r[5], r[13], r[6], r[14], r[7]), turned)
+
+    @wp.func
+    def piola(P: wp.array[mat], sig: wp.array[sym], cof: wp.array[Packets], j: wp.int32):
+        """σ is read from where it stands alone: that beside cof would be kept in registers."""
+        return unpack(sig[j]) * cofactor_of(cof, j)
+
+    @wp.func
+    def put(P: wp.array[mat], cof: wp.array[Packets], j: wp.int32, cofactor: mat, stress: sym):
+        put_cofactor(cof, j, cofactor)
+        put_stress(cof, j, stress)
+
+    moving, resting, strained = (
+        _read(layout, record, range(record._length_))
+        for layout, record in ((motion, Moving), (rest, Resting), (cofs, Strained))
+    )
+    return Near(
+        moving, x, v, rho, cs, resting, X, G0, X_alone,
+        strained, P_times, cof_times, cofactor_of, piola, put, motion, rest, cofs,
+    )  # fmt: skip
 
 
 @functools.cache

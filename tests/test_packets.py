@@ -6,6 +6,7 @@ import warp as wp
 from tools import SPACING, body, by_id, forces, jittered
 
 from warpsph.device.launch import Launcher
+from warpsph.fields import whole
 from warpsph.kernels.packets import PACKET, make_near, make_packing
 from warpsph.kernels.spec import Spec
 from warpsph.memory.policy import THRIFTY
@@ -18,8 +19,7 @@ MODULE = "warpsph.tests.packets"
 def reader(s, near):
     """A kernel that takes records apart."""
     real, vec, mat, point = s.real, s.vec, s.mat, s.point
-    moving, resting, X_of, tensor, put = near[:5]
-    Packet, Part = near.motion.dtype, near.tensors.dtype
+    put, Packet, Cofactor = near.put, near.motion.dtype, near.cofs.dtype
 
     @wp.kernel(module=f"{MODULE}.{s.tag}", enable_backward=False)
     def apart(
@@ -31,8 +31,10 @@ def reader(s, near):
         motion: wp.array[Packet],
         rest: wp.array[Packet],
         T: wp.array[mat],
+        sig: wp.array[s.sym],
         # out:
-        P: wp.array[Part],
+        P: wp.array[mat],
+        cof: wp.array[Cofactor],
         x_out: wp.array[point],
         X_out: wp.array[point],
         X_alone: wp.array[point],
@@ -41,19 +43,24 @@ def reader(s, near):
         rho_out: wp.array[real],
         cs_out: wp.array[real],
         T_out: wp.array[mat],
+        P_out: wp.array[mat],
+        Pv_out: wp.array[vec],
+        Tv_out: wp.array[vec],
     ):
         i = wp.tid() + offset
-        put(P, i, T[i])
-        x_i, v_i, rho_i, cs_i = moving(x, v, rho, cs, motion, i)
-        X_i, G_i = resting(x, v, rest, i)
-        x_out[i] = x_i
-        v_out[i] = v_i
-        rho_out[i] = rho_i
-        cs_out[i] = cs_i
-        X_out[i] = X_i
-        G_out[i] = G_i
-        X_alone[i] = X_of(x, rest, i)
-        T_out[i] = tensor(P, i)
+        put(P, cof, i, T[i], sig[i])
+        r, q, t = near.moving(motion, i), near.resting(rest, i), near.strained(cof, i)
+        x_out[i] = near.x(x, r, i)
+        v_out[i] = near.v(v, r, i)
+        rho_out[i] = near.rho(rho, r, i)
+        cs_out[i] = near.cs(cs, r, i)
+        X_out[i] = near.X(x, q, i)
+        G_out[i] = near.G0(v, q, i)
+        X_alone[i] = near.X_alone(x, rest, i)
+        T_out[i] = near.cofactor(cof, i)
+        P_out[i] = near.piola(P, sig, cof, i)
+        Pv_out[i] = near.P_times(P, t, i, v[i])
+        Tv_out[i] = near.cof_times(cof, t, i, v[i])
 
     return apart
 
@@ -64,11 +71,12 @@ def test_nothing_is_lost(precision, lanes):
     s = Spec(3, *PRECISIONS[precision], lanes=lanes)
     near, packing = make_near(s), make_packing(s, True)
     rng, types = np.random.default_rng(1), {"x": s.point, "v": s.vec, "rho": s.real, "cs": s.real, "T": s.mat}
+    types["sig"] = s.sym
     given = {
         name: wp.array(rng.normal(size=(N, *getattr(dtype, "_shape_", ()))), dtype=dtype, device="cpu")
         for name, dtype in types.items()
     }
-    layouts = {"motion": near.motion, "rest": near.rest, "P": near.tensors}
+    layouts = {"motion": near.motion, "rest": near.rest, "cof": near.cofs}
     for name, layout in layouts.items():
         given[name] = wp.zeros(layout.each * N, dtype=layout.dtype, device="cpu")
     launcher = Launcher("cpu", 1)
@@ -76,10 +84,18 @@ def test_nothing_is_lost(precision, lanes):
     launcher.launch(packing.rest, N, X=given["x"], G0=given["v"], rest=given["rest"])
     names = {"x_out": "x", "X_out": "x", "X_alone": "x", "v_out": "v", "G_out": "v"}
     names |= {"rho_out": "rho", "cs_out": "cs", "T_out": "T"}
-    out = {name: wp.zeros_like(given[source]) for name, source in names.items()}
+    results = {"P": "T", "P_out": "T", "Pv_out": "v", "Tv_out": "v"}
+    out = {name: wp.zeros_like(given[like]) for name, like in (names | results).items()}
     launcher.launch(reader(s, near), N, **given, **out)
     for name, source in names.items():
         np.testing.assert_array_equal(out[name].numpy(), given[source].numpy(), err_msg=name)
+    sig, T, v = (given[name].numpy().astype(float) for name in ("sig", "T", "v"))
+    P = whole(sig, "sym") @ T
+    tolerance = 1e-13 if s.real is wp.float64 else 1e-5
+    for name, known in (("P_out", P), ("Pv_out", P @ v[:, :, None]), ("Tv_out", T @ v[:, :, None])):
+        np.testing.assert_allclose(
+            out[name].numpy().reshape(known.shape), known, atol=tolerance, err_msg=name
+        )
     if lanes == 1:
         assert {wp.types.type_size_in_bytes(layout.dtype) for layout in layouts.values()} == {PACKET}
 

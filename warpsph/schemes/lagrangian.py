@@ -81,8 +81,8 @@ class Lagrangian(Scheme):
         }
         lagrangian = {name: wp.zeros(n, dtype=dtype) for name, dtype in fresh.items()}
         near, packed = make_near(s), s.columns > 1
-        for name, layout in {"cof": near.tensors, "P": near.tensors}.items():
-            lagrangian[name] = wp.zeros(layout.each * n, dtype=layout.dtype)
+        lagrangian["cof"] = wp.zeros(near.cofs.each * n, dtype=near.cofs.dtype)
+        lagrangian["P"] = wp.zeros(1 if packed else n, dtype=s.mat)
         for name, layout in {"motion": near.motion, "rest": near.rest}.items():
             lagrangian[name] = wp.zeros(layout.each * n if packed else 1, dtype=layout.dtype)
         flags = {name: wp.zeros(1, dtype=s.real) for name in ("spreading", "changed")}
