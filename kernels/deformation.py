@@ -43,7 +43,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
     module = s.module(__name__, "_".join(filter(None, options)))
     over_lanes = s.module(__name__, "_".join(filter(None, ("rate", *options))), lanes=True)
     read, near = make_reads(s), make_near(s)
-    put, Packet, Cofactor = near.put, near.rest.dtype, near.cofs.dtype
+    put, Moving, Packet, Cofactor = near.put, near.motion.dtype, near.rest.dtype, near.cofs.dtype
     lanes = make_lanes(s)
     row_end, stride = lanes.row_end, lanes.stride
 
@@ -62,6 +62,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         kernel_type: wp.array[wp.int32],
         interface: wp.array[wp.int32],
         G0: wp.array[vec],
+        motion: wp.array[Moving],
         rest: wp.array[Packet],
         plane: point,
         dt: wp.array[real],
@@ -91,7 +92,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         while k < last:  # the slopes of what fills up the row are 0
             j = mirror.index(read.integer(neigh0, k))
             sign = mirror.sign(read.integer(neigh0, k))
-            u = mirror.vector(read.vec(v, j), sign) - vi
+            u = mirror.vector(near.v(v, motion, j), sign) - vi
             g = read.real(slope0, k) * mirror.apart(Xi, near.X_alone(X, rest, j), sign, plane)
             xx += u[0] * g[0]
             if wp.static(dim > 1):
@@ -166,6 +167,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         # in:
         F: wp.array[mat],
         sig: wp.array[s.sym],
+        cs: wp.array[real],
         K0: wp.array[mat],
         kernel_type: wp.array[wp.int32],
         interface: wp.array[wp.int32],
@@ -178,7 +180,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         """cof = J F⁻ᵀ K [-] and P = σ J F⁻ᵀ K [Pa], the first Piola-Kirchhoff stress with K (section 4; paper A eq 12).
 
         K is the correction in the reference configuration, 1 without: the forces need either only in front of it. A GPU
-        keeps σ for P, see `packets`.
+        keeps σ for P, and cs, see `packets`.
         shrink bounds the largest contraction of a line, 1/λ_min <= sqrt(|F⁻¹ F⁻ᵀ|∞): waves cross the reference
         configuration so much faster. It is exact where the principal directions are the axes; 1 for particles without F.
         """
@@ -192,7 +194,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         cofactor = wp.determinant(F[i]) * wp.transpose(inverse)
         if wp.static(corrected):
             cofactor = cofactor * K0[i]
-        put(P, cof, i, cofactor, sig[i])
+        put(P, cof, i, cofactor, sig[i], cs[i])
         C = inverse * wp.transpose(inverse)
         widest = real(0.0)
         for c in range(3):

@@ -59,7 +59,7 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
     restoring, w = make_hourglass(s), smoothing.w
     dot, product, half, zero, dim = tensor.dot, tensor.product, real(0.5), real(0.0), s.dim
     read, near = make_reads(s), make_near(s)
-    Packet, Cofactor = near.motion.dtype, near.cofs.dtype
+    Moving, Packet, Cofactor = near.motion.dtype, near.rest.dtype, near.cofs.dtype
     lanes = make_lanes(s)
     raised, value, row_end, Bits, stride = lanes.raised, lanes.value, lanes.row_end, lanes.Bits, lanes.stride
     worth = lanes.worth
@@ -90,7 +90,8 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
         cof: wp.array[Cofactor],
         P: wp.array[matrix],
         G0: wp.array[vec],
-        motion: wp.array[Packet],
+        motion: wp.array[Moving],
+        site: wp.array[Packet],
         rest: wp.array[Packet],
         mat: wp.array[wp.int32],
         stiffness: wp.array[real],
@@ -158,8 +159,8 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                 weight = wp.where(counts, real(read.real(w0, k)), zero)
                 own -= weight * read.vec(G0, i)
                 back -= weight * mirror.vector(near.G0(G0, at_rest, j), sign)
-            in_motion, strained = near.moving(motion, j), near.strained(cof, j)
-            vji = mirror.vector(near.v(v, in_motion, j), sign) - vi
+            at_present, strained = near.present(site, j), near.strained(cof, j)
+            vji = mirror.vector(near.v(v, motion, j), sign) - vi
             facing = mirror.vector(back, sign)  # of an image: it is cheaper to mirror vectors than tensors
             stress = mirror.vector(near.P_times(P, strained, j, facing), sign)
             f_x -= stress[0]
@@ -176,14 +177,14 @@ def make_momentum_lagrangian(s: Spec, smoothing: Smoothing, terms: LagrangianTer
                         f_y += inner[1]
                     if wp.static(dim > 2):
                         f_z += inner[2]
-            xij = mirror.apart(xi, near.x(x, in_motion, j), sign, plane)
+            xij = mirror.apart(xi, near.x(x, at_present, j), sign, plane)
             mu_ij = viscosity.approach(wp.where(counts, -dot(vji, xij), zero), dot(xij, xij), h)
             mu_top = raised(mu_top, -mu_ij)
             if worth(mu_ij < zero):
-                rho_j = real(near.rho(rho, in_motion, j))
+                rho_j = real(near.rho(rho, at_present, j))
                 pi_ij = viscosity.pressure(
                     mu_ij,
-                    half * (cs_i + near.cs(cs, in_motion, j)),
+                    half * (cs_i + near.cs(cs, strained, j)),
                     half * (rho_i + rho_j),
                     viscosity_alpha,
                     viscosity_beta,

@@ -18,12 +18,12 @@ from .tensor import make_tensor
 PACKET = 16
 """Bytes of a packet: the widest load of a thread."""
 
-FIRST, SECOND, MORE = (0, 1, 2), (4, 5, 3), (6, 7)
-"""Places of two vectors in a record, and of two numbers that may follow: with single precision the first vector is in one
-packet, and in the plane double precision needs one packet for each."""
+FIRST, SECOND, NUMBER = (0, 1, 2), (4, 5, 3), 3
+"""Places of a vector in a record, and of what may follow, a second one or a number: with single precision the first vector
+is in one packet, and in the plane double precision needs one packet for each."""
 
-COFACTOR, STRESS = (0, 1, 8, 2, 3, 9, 10, 11, 12), (4, 5, 13, 6, 14, 7)
-"""Places of the components of a tensor, row by row, and of a symmetric one: those in the plane come first."""
+COFACTOR, STRESS, SOUND = (0, 1, 8, 2, 3, 9, 10, 11, 12), (4, 5, 13, 6, 14, 7), 15
+"""Places of the components of a tensor, row by row, of a symmetric one, and of a number: those in the plane come first."""
 
 
 class Layout(NamedTuple):
@@ -44,31 +44,32 @@ class Near(NamedTuple):
     On a CPU r is nothing, and each of them reads its own array, where it is needed: lanes are short of registers.
 
     Attributes:
-        moving: (motion, j): a record r of x, v, ρ and cs.
+        v: (v, motion, j): velocity [m/s].
+        present: (site, j): a record r of x and ρ.
         x: (x, r, j): position [m].
-        v: (v, r, j): velocity [m/s].
         rho: (rho, r, j): density [kg/m³].
-        cs: (cs, r, j): sound speed [m/s].
         resting: (rest, j): a record r of X and G0.
         X: (X, r, j): reference position [m].
         G0: (G0, r, j): correction in the reference configuration [1/m].
         X_alone: (X, rest, j): the same X, where nothing else is read.
-        strained: (cof, j): a record r of cof and σ.
+        strained: (cof, j): a record r of cof, σ and cs.
         P_times: (P, r, j, b): P b.
         cof_times: (cof, r, j, b): cof b.
+        cs: (cs, r, j): sound speed [m/s].
         cofactor: (cof, j): cof [-].
         piola: (P, sig, cof, j): P [Pa].
-        put: (P, cof, j, cofactor, stress): store cof and P = σ cof; on a GPU cof and σ, which are fewer numbers.
-        motion: Layout of ``motion``.
+        put: (P, cof, j, cofactor, stress, cs): store cof and P = σ cof; on a GPU cof and σ, which are fewer numbers, and
+            cs.
+        motion: Layout of ``motion``, which is v.
+        site: Layout of ``site``.
         rest: Layout of ``rest``.
         cofs: Layout of ``cof``; P is 1 long where that has σ.
     """
 
-    moving: wp.Function
-    x: wp.Function
     v: wp.Function
+    present: wp.Function
+    x: wp.Function
     rho: wp.Function
-    cs: wp.Function
     resting: wp.Function
     X: wp.Function
     G0: wp.Function
@@ -76,18 +77,21 @@ class Near(NamedTuple):
     strained: wp.Function
     P_times: wp.Function
     cof_times: wp.Function
+    cs: wp.Function
     cofactor: wp.Function
     piola: wp.Function
     put: wp.Function
     motion: Layout
+    site: Layout
     rest: Layout
     cofs: Layout
 
 
 class PackingKernels(NamedTuple):
-    """Kernels of this file: they fill ``motion`` and ``rest``; only a GPU has use for them."""
+    """Kernels of this file, each fills the array of its name; only a GPU has use for them."""
 
     motion: wp.Kernel
+    site: wp.Kernel
     rest: wp.Kernel
 
 
@@ -138,20 +142,24 @@ def make_near(s: Spec) -> Near:
     return _from_arrays(s) if s.columns == 1 else _from_packets(s)
 
 
-def _layouts(s: Spec) -> tuple[Layout, Layout]:
-    """Those of ``motion`` and ``rest``."""
-    return _layout(s.place, 8), _layout(s.place, 6)
+def _layouts(s: Spec) -> tuple[Layout, Layout, Layout]:
+    """Those of ``motion``, ``site`` and ``rest``."""
+    return _layout(s.real, 3), _layout(s.place, 4), _layout(s.place, 6)
 
 
 def _from_arrays(s: Spec) -> Near:
     real, vec, mat, sym, point = s.real, s.vec, s.mat, s.sym, s.point
-    tensor, read, (motion, rest) = make_tensor(s), make_reads(s), _layouts(s)
-    product, unpack, Packet = tensor.product, tensor.unpack, motion.dtype
+    tensor, read, (motion, site, rest) = make_tensor(s), make_reads(s), _layouts(s)
+    product, unpack, Packet, Moving = tensor.product, tensor.unpack, rest.dtype, motion.dtype
     point_of, vec_of, real_of, mat_of = read.point, read.vec, read.real, read.mat
 
     @wp.func
     def nothing(packed: wp.array[Packet], j: wp.int32):
         return j
+
+    @wp.func
+    def v(v: wp.array[vec], motion: wp.array[Moving], j: wp.int32):
+        return vec_of(v, j)
 
     @wp.func
     def place(x: wp.array[point], r: wp.int32, j: wp.int32):
@@ -182,37 +190,40 @@ def _from_arrays(s: Spec) -> Near:
         return mat_of(P, j)
 
     @wp.func
-    def put(P: wp.array[mat], cof: wp.array[mat], j: wp.int32, cofactor: mat, stress: sym):
+    def put(P: wp.array[mat], cof: wp.array[mat], j: wp.int32, cofactor: mat, stress: sym, cs: real):
         cof[j] = cofactor
         P[j] = unpack(stress) * cofactor
 
-    moving, resting = (nothing, place, vector, number, number), (nothing, place, vector, X_alone)
-    return Near(*moving, *resting, strained, times, times, read.mat, piola, put, motion, rest, Layout(mat, 1))
+    return Near(
+        v, nothing, place, number, nothing, place, vector, X_alone,
+        strained, times, times, number, read.mat, piola, put, motion, site, rest, Layout(mat, 1),
+    )  # fmt: skip
 
 
 def _from_packets(s: Spec) -> Near:
     real, vec, mat, sym, point = s.real, s.vec, s.mat, s.sym, s.point
-    tensor, (motion, rest), cofs = make_tensor(s), _layouts(s), _layout(s.real, 15)
+    tensor, (motion, site, rest), cofs = make_tensor(s), _layouts(s), _layout(s.real, 16)
     product, act, unpack, Packets = tensor.product, tensor.act, tensor.unpack, cofs.dtype
-    Moving, Resting, Strained = (wp.types.vector(n, k) for n, k in ((8, s.place), (6, s.place), (15, real)))
-    X_of, cofactor_of = _read(rest, point, FIRST), _read(cofs, mat, COFACTOR)
+    Present, Resting, Strained = (wp.types.vector(n, k) for n, k in ((4, s.place), (6, s.place), (16, real)))
+    v_of, X_of, cofactor_of = _read(motion, vec, FIRST), _read(rest, point, FIRST), _read(cofs, mat, COFACTOR)
     put_cofactor, put_stress = _write(cofs, mat, COFACTOR), _write(cofs, sym, STRESS)
+    put_sound = _write(cofs, real, [SOUND])
 
     @wp.func
-    def x(x: wp.array[point], r: Moving, j: wp.int32):
+    def v(v: wp.array[vec], motion: wp.array[motion.dtype], j: wp.int32):
+        return v_of(motion, j)
+
+    @wp.func
+    def x(x: wp.array[point], r: Present, j: wp.int32):
         return point(r[0], r[1], r[2])
 
     @wp.func
-    def v(v: wp.array[vec], r: Moving, j: wp.int32):
-        return vec(real(r[4]), real(r[5]), real(r[3]))
+    def rho(rho: wp.array[real], r: Present, j: wp.int32):
+        return real(r[3])
 
     @wp.func
-    def rho(rho: wp.array[real], r: Moving, j: wp.int32):
-        return real(r[6])
-
-    @wp.func
-    def cs(cs: wp.array[real], r: Moving, j: wp.int32):
-        return real(r[7])
+    def cs(cs: wp.array[real], r: Strained, j: wp.int32):
+        return r[15]
 
     @wp.func
     def X(X: wp.array[point], r: Resting, j: wp.int32):
@@ -241,17 +252,18 @@ def _from_packets(s: Spec) -> Near:
         return unpack(sig[j]) * cofactor_of(cof, j)
 
     @wp.func
-    def put(P: wp.array[mat], cof: wp.array[Packets], j: wp.int32, cofactor: mat, stress: sym):
+    def put(P: wp.array[mat], cof: wp.array[Packets], j: wp.int32, cofactor: mat, stress: sym, cs: real):
         put_cofactor(cof, j, cofactor)
         put_stress(cof, j, stress)
+        put_sound(cof, j, cs)
 
-    moving, resting, strained = (
+    present, resting, strained = (
         _read(layout, record, range(record._length_))
-        for layout, record in ((motion, Moving), (rest, Resting), (cofs, Strained))
+        for layout, record in ((site, Present), (rest, Resting), (cofs, Strained))
     )
     return Near(
-        moving, x, v, rho, cs, resting, X, G0, X_alone,
-        strained, P_times, cof_times, cofactor_of, piola, put, motion, rest, cofs,
+        v, present, x, rho, resting, X, G0, X_alone,
+        strained, P_times, cof_times, cs, cofactor_of, piola, put, motion, site, rest, cofs,
     )  # fmt: skip
 
 
@@ -260,9 +272,9 @@ def make_packing(s: Spec, corrected: bool) -> PackingKernels:
     """Build the kernels for one specialisation; ``corrected``: there is a G0 for each particle."""
     real, vec, point = s.real, s.vec, s.point
     near, on = make_near(s), int(corrected)
-    Packet = near.motion.dtype
-    put_x, put_v = _write(near.motion, point, FIRST), _write(near.motion, vec, SECOND)
-    put_rho, put_cs = (_write(near.motion, real, [place]) for place in MORE)
+    Packet, Moving = near.rest.dtype, near.motion.dtype
+    put_v = _write(near.motion, vec, FIRST)
+    put_x, put_rho = _write(near.site, point, FIRST), _write(near.site, real, [NUMBER])
     put_X, put_G0 = _write(near.rest, point, FIRST), _write(near.rest, vec, SECOND)
     module = s.module(__name__, "corrected" * corrected)
 
@@ -270,19 +282,27 @@ def make_packing(s: Spec, corrected: bool) -> PackingKernels:
     def pack_motion(
         offset: wp.int32,
         # in:
-        x: wp.array[point],
         v: wp.array[vec],
-        rho: wp.array[real],
-        cs: wp.array[real],
         # out:
-        motion: wp.array[Packet],
+        motion: wp.array[Moving],
     ):
-        """Bring together x [m], v [m/s], ρ [kg/m³] and cs [m/s] of a particle."""
+        """v [m/s] of a particle."""
         i = wp.tid() + offset
-        put_x(motion, i, x[i])
         put_v(motion, i, v[i])
-        put_rho(motion, i, rho[i])
-        put_cs(motion, i, cs[i])
+
+    @wp.kernel(module=module)
+    def pack_site(
+        offset: wp.int32,
+        # in:
+        x: wp.array[point],
+        rho: wp.array[real],
+        # out:
+        site: wp.array[Packet],
+    ):
+        """Bring together x [m] and ρ [kg/m³] of a particle."""
+        i = wp.tid() + offset
+        put_x(site, i, x[i])
+        put_rho(site, i, rho[i])
 
     @wp.kernel(module=module)
     def pack_rest(
@@ -298,4 +318,4 @@ def make_packing(s: Spec, corrected: bool) -> PackingKernels:
         put_X(rest, i, X[i])
         put_G0(rest, i, G0[i * on])
 
-    return PackingKernels(pack_motion, pack_rest)
+    return PackingKernels(pack_motion, pack_site, pack_rest)

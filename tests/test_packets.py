@@ -19,7 +19,7 @@ MODULE = "warpsph.tests.packets"
 def reader(s, near):
     """A kernel that takes records apart."""
     real, vec, mat, point = s.real, s.vec, s.mat, s.point
-    put, Packet, Cofactor = near.put, near.motion.dtype, near.cofs.dtype
+    put, Moving, Packet, Cofactor = near.put, near.motion.dtype, near.rest.dtype, near.cofs.dtype
 
     @wp.kernel(module=f"{MODULE}.{s.tag}", enable_backward=False)
     def apart(
@@ -28,7 +28,8 @@ def reader(s, near):
         v: wp.array[vec],
         rho: wp.array[real],
         cs: wp.array[real],
-        motion: wp.array[Packet],
+        motion: wp.array[Moving],
+        site: wp.array[Packet],
         rest: wp.array[Packet],
         T: wp.array[mat],
         sig: wp.array[s.sym],
@@ -48,12 +49,12 @@ def reader(s, near):
         Tv_out: wp.array[vec],
     ):
         i = wp.tid() + offset
-        put(P, cof, i, T[i], sig[i])
-        r, q, t = near.moving(motion, i), near.resting(rest, i), near.strained(cof, i)
+        put(P, cof, i, T[i], sig[i], cs[i])
+        r, q, t = near.present(site, i), near.resting(rest, i), near.strained(cof, i)
         x_out[i] = near.x(x, r, i)
-        v_out[i] = near.v(v, r, i)
+        v_out[i] = near.v(v, motion, i)
         rho_out[i] = near.rho(rho, r, i)
-        cs_out[i] = near.cs(cs, r, i)
+        cs_out[i] = near.cs(cs, t, i)
         X_out[i] = near.X(x, q, i)
         G_out[i] = near.G0(v, q, i)
         X_alone[i] = near.X_alone(x, rest, i)
@@ -76,11 +77,12 @@ def test_nothing_is_lost(precision, lanes):
         name: wp.array(rng.normal(size=(N, *getattr(dtype, "_shape_", ()))), dtype=dtype, device="cpu")
         for name, dtype in types.items()
     }
-    layouts = {"motion": near.motion, "rest": near.rest, "cof": near.cofs}
+    layouts = {"motion": near.motion, "site": near.site, "rest": near.rest, "cof": near.cofs}
     for name, layout in layouts.items():
         given[name] = wp.zeros(layout.each * N, dtype=layout.dtype, device="cpu")
     launcher = Launcher("cpu", 1)
-    launcher.launch(packing.motion, N, **{n: given[n] for n in ("x", "v", "rho", "cs", "motion")})
+    launcher.launch(packing.motion, N, **{n: given[n] for n in ("v", "motion")})
+    launcher.launch(packing.site, N, **{n: given[n] for n in ("x", "rho", "site")})
     launcher.launch(packing.rest, N, X=given["x"], G0=given["v"], rest=given["rest"])
     names = {"x_out": "x", "X_out": "x", "X_alone": "x", "v_out": "v", "G_out": "v"}
     names |= {"rho_out": "rho", "cs_out": "cs", "T_out": "T"}

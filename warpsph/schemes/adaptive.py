@@ -68,7 +68,7 @@ class Adaptive(Lagrangian):
             bind,
             self._correction,
             self._momentum,
-            self._packing.motion,
+            self._packing.site,
             self._momentum_lagrangian,
             self._contact,
         )
@@ -79,10 +79,11 @@ class Adaptive(Lagrangian):
             bind,
             self._correction,  # S, G, K at x, where there are rows
             self._momentum,  # A and B of pairs in the Eulerian form
-            self._packing.motion,  # x, v, ρ and cs, as a GPU reads them
+            self._packing.site,  # x and ρ, as a GPU reads them
             self._momentum_lagrangian,  # and of those in the Lagrangian one
             self._contact,  # and from other bodies
             self._integrate.kick,  # v' = v + dt A, e' exact in energy
+            self._packing.motion,  # v', as a GPU reads it
             self._velocity_gradient,  # L from v' at x of Eulerian particles
             self._deformation.rate,  # Fdot from v', of Lagrangian ones and their neighbours
             self._deformation.deformation,  # F', and L of Lagrangian ones

@@ -18,7 +18,7 @@ from . import LagrangianSettings
 from .eulerian import viscosity
 from .scheme import Bind, Scheme, Traits, bound
 
-NO_PACKING = PackingKernels(None, None)
+NO_PACKING = PackingKernels(None, None, None)
 """Pair loops of a CPU read the arrays that there are."""
 
 
@@ -83,7 +83,7 @@ class Lagrangian(Scheme):
         near, packed = make_near(s), s.columns > 1
         lagrangian["cof"] = wp.zeros(near.cofs.each * n, dtype=near.cofs.dtype)
         lagrangian["P"] = wp.zeros(1 if packed else n, dtype=s.mat)
-        for name, layout in {"motion": near.motion, "rest": near.rest}.items():
+        for name, layout in {"motion": near.motion, "site": near.site, "rest": near.rest}.items():
             lagrangian[name] = wp.zeros(layout.each * n if packed else 1, dtype=layout.dtype)
         flags = {name: wp.zeros(1, dtype=s.real) for name in ("spreading", "changed")}
         return super().arrays(n) | lagrangian | flags | {"shrink": wp.ones(n, dtype=s.real)}
@@ -92,7 +92,7 @@ class Lagrangian(Scheme):
         """Reference pairs from X, interfaces from the kernel types, Fdot from v, cofactor and P from F and σ."""
         return [
             *self.reference.pairs(bind, "dt"),
-            *bound(bind, self._packing.rest),
+            *bound(bind, self._packing.rest, self._packing.motion),
             bind(self._ends.interfaces, changed="dt"),
             bind(self._deformation.rate),
             bind(self._deformation.piola),
@@ -122,16 +122,17 @@ class TotalLagrangian(Lagrangian):
 
     def probe(self, bind: Bind) -> list[Command]:
         """Forces and approach speeds."""
-        return bound(bind, self._packing.motion, self._momentum, self._contact)
+        return bound(bind, self._packing.site, self._momentum, self._contact)
 
     def step(self, bind: Bind) -> list[Command]:
         """One step from (x, v, e, F, τ) at t to t + dt."""
         motion = bound(
             bind,
-            self._packing.motion,  # x, v, ρ and cs, as a GPU reads them
+            self._packing.site,  # x and ρ, as a GPU reads them
             self._momentum,  # A and B from P at x
             self._contact,  # and from other bodies
             self._integrate.kick,  # v' = v + dt A, e' exact in energy
+            self._packing.motion,  # v', as a GPU reads it
             self._deformation.rate,  # Fdot from v'
             self._deformation.deformation,  # F' and L
             self._constitutive,  # ρ' = ρ0/J', τ', ε_p', p', σ'
