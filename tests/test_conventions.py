@@ -84,7 +84,11 @@ def written(kernel):
     for node in ast.walk(kernel):
         targets = getattr(node, "targets", [getattr(node, "target", None)])
         stores = [ast.unparse(t.value) for t in targets if isinstance(t, ast.Subscript)]
-        if isinstance(node, ast.Call) and ast.unparse(node.func) in ("wp.atomic_min", "wp.atomic_max"):
+        if isinstance(node, ast.Call) and ast.unparse(node.func) in (
+            "wp.atomic_min",
+            "wp.atomic_max",
+            "move",
+        ):
             stores.append(ast.unparse(node.args[0]))
         yield from (store for store in stores if store in names)
 
