@@ -153,7 +153,7 @@ def make_timestep(
         folded_high: wp.array[vec],
         folded_wear: wp.array[real],
     ):
-        """Extremes of the blocks [s, m/s] and maxima of tile_wear [-], so few that one thread can go through them."""
+        """Extremes of the blocks [s, m/s] and maxima of tile_wear [-], of every so many of them."""
         b = wp.tid() + offset
         smallest, worn = real(1.0e30), real(0.0)
         low, high = vec(real(1.0e30)), vec(real(-1.0e30))
