@@ -162,7 +162,7 @@ def test_tables():
         row(Usage(33), variant="planes", shown=False),
     ]
     assert registers.pairs_table([rows[0], *rows[2:]]).splitlines()[2:] == [
-        "| `f.k` |  | 40 (75%) | 168 (12%), local 16 B, spills 16/32 B |"
+        "| `f.k` |  | 40 (75%) | 168 (19%), local 16 B, spills 16/32 B |"
     ]
     assert registers.worst_table(rows).splitlines()[2:] == [
         "| `f.k` (pairs) | 5 | 40 (75%) | 255 (12%) | 16 | 16, 32 | 1024 |",
