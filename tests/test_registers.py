@@ -113,6 +113,11 @@ def test_occupancy(count, threads, share):
     assert registers.occupancy(count, threads) == share
 
 
+def test_no_other_block_has_more_threads_under_way():
+    for count in range(16, 256):
+        assert registers.occupancy(count) >= max(registers.occupancy(count, threads) for threads in (64, 256))
+
+
 def test_ladder_has_a_row_for_each_step():
     rows = [line.split(" | ") for line in registers.ladder().splitlines()[2:]]
     assert rows[0][0] == "| 32" and rows[-1][0] == "| 255"
