@@ -13,14 +13,14 @@ PACKET = 16
 CHAINS = 64
 """Independent sums of a thread: enough to keep vector units and pipelines full."""
 
-MOVE = """
+PUT = """
 #if defined(__CUDA_ARCH__)
     reinterpret_cast<int4*>(target.data)[i] = reinterpret_cast<const int4*>(source.data)[i];
 #else
     target.data[i] = source.data[i];
 #endif
 """
-"""Moves a packet, in one piece on a GPU: Warp's vectors are not aligned, and go number by number."""
+"""Puts a packet in its place, in one piece on a GPU: Warp's vectors are not aligned, and go number by number."""
 
 
 class CeilingKernels(NamedTuple):
@@ -44,8 +44,8 @@ def make_ceilings(s: Spec) -> CeilingKernels:
     packet = wp.types.vector(PACKET // wp.types.type_size_in_bytes(real), real)
     module = s.module(__name__)
 
-    @wp.func_native(MOVE)
-    def move(target: wp.array[packet], source: wp.array[packet], i: wp.int32): ...
+    @wp.func_native(PUT)
+    def put(target: wp.array[packet], source: wp.array[packet], i: wp.int32): ...
 
     @wp.kernel(module=module)
     def copy(
@@ -57,7 +57,7 @@ def make_ceilings(s: Spec) -> CeilingKernels:
     ):
         """target = source [-]: two transfers of a packet and no arithmetic."""
         i = wp.tid() + offset
-        move(target, source, i)
+        put(target, source, i)
 
     @wp.kernel(module=module)
     def multiply_add(
