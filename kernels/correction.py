@@ -8,6 +8,7 @@ import functools
 
 import warp as wp
 
+from .company import ALONE
 from .coupling import make_counts
 from .lanes import make_lanes, make_reads
 from .mirror import make_mirror
@@ -26,7 +27,12 @@ make up for it take many times their energy from its particles, until a tension 
 
 @functools.cache
 def make_correction(
-    s: Spec, smoothing: Smoothing, planes: bool, separate: bool = False, coupled: bool = False
+    s: Spec,
+    smoothing: Smoothing,
+    planes: bool,
+    separate: bool = False,
+    coupled: bool = False,
+    erosion: bool = False,
 ) -> wp.Kernel:
     """Build the kernel that computes K and G.
 
@@ -35,7 +41,8 @@ def make_correction(
         smoothing: Smoothing kernel.
         planes: Neighbour entries may be mirror images.
         separate: Neighbours of another body do not count.
-        coupled: There are Lagrangian particles: eroded ones do not count.
+        coupled: There are Lagrangian particles: those that are alone need no correction, see `kernels.company`.
+        erosion: Eroded neighbours do not count.
     """
     real, vec, mat, point, dim = s.real, s.vec, s.mat, s.point, s.dim
     mirror, tensor = make_mirror(s, planes), make_tensor(s)
@@ -43,8 +50,9 @@ def make_correction(
     read = make_reads(s)
     lanes = make_lanes(s)
     worth, row_end = lanes.worth, lanes.row_end
-    bound, counts, zero = real(CONDITION), make_counts(separate, coupled), real(0.0)
-    options = (smoothing.name, "planes" * planes, "separate" * separate, "coupled" * coupled)
+    bound, counts, zero = real(CONDITION), make_counts(separate, erosion), real(0.0)
+    options = (smoothing.name, "planes" * planes, "separate" * separate)
+    options += ("coupled" * coupled, "erosion" * erosion)
 
     @wp.func
     def inverse_or_identity(M: mat, neighbours: wp.int32):
@@ -69,6 +77,7 @@ def make_correction(
         vol: wp.array[real],
         body: wp.array[wp.int32],
         kernel_type: wp.array[wp.int32],
+        company: wp.array[wp.int32],
         h: real,
         plane: point,
         dt: wp.array[real],
@@ -83,6 +92,9 @@ def make_correction(
         i = wp.tid() + offset
         if dt[0] == real(0.0):
             return
+        if wp.static(coupled):
+            if company[i] == wp.static(ALONE):
+                return
         first = start[i]
         last = row_end(first, n_neigh[i])
         xi = read.point(x, i)

@@ -21,7 +21,7 @@ class NeighbourKernels(NamedTuple):
 
 @functools.cache
 def make_neighbours(
-    s: Spec, planes: bool, same_body: bool = False, selective: bool = False
+    s: Spec, planes: bool, same_body: bool = False, selective: bool = False, erosion: bool = False
 ) -> NeighbourKernels:
     """Build the search.
 
@@ -29,19 +29,20 @@ def make_neighbours(
         s: Specialisation.
         planes: There are symmetry planes, whose mirror images count.
         same_body: Particles of another body are no neighbours.
-        selective: Only particles of a role have a row, and those of a negative one are nobody's neighbours.
+        selective: Only particles of a role have a row.
+        erosion: Particles of a negative role are nobody's neighbours.
     """
     real, vec, place, point = s.real, s.vec, s.place, s.point
     mirror, dot = make_mirror(s, planes), make_tensor(s).dot
     coordinates, beyond, number, runs = make_cells(s)[2:]
-    options = ("planes" * planes, "same_body" * same_body, "selective" * selective)
+    options = ("planes" * planes, "same_body" * same_body, "selective" * selective, "erosion" * erosion)
     module = s.module(__name__, "_".join(filter(None, options)))
 
     @wp.func
     def fits(body_i: wp.int32, body_j: wp.int32, role_j: wp.int32):
         if wp.static(same_body) and body_i != body_j:
             return False
-        if wp.static(selective) and role_j < 0:
+        if wp.static(erosion) and role_j < 0:
             return False
         return True
 
@@ -120,7 +121,7 @@ def make_neighbours(
                                 neigh[at] = j | (mask << INDEX_BITS)
                             xij = vec(xi - x_sorted[k])
                             near = dot(xij, xij) < radius * radius and (j != i or mask > 0)
-                            if wp.static(same_body or selective):
+                            if wp.static(same_body or erosion):
                                 near = near and fits(body[i], body[j], role[j])
                             at += wp.where(near, 1, 0)
                             k += 1

@@ -113,6 +113,7 @@ class Solver:
             support=self._scheme.support * h,
             skin=data.numerics.skin * h,
             selective="lagrangian" in self._scheme.groups,
+            erosion=data.numerics.erosion,
             searching=self._scheme.searching,
         )
         self.reference = self._find_reference()
@@ -206,8 +207,8 @@ class Solver:
 
     def relist(self) -> None:
         """Rebuild the neighbour rows now."""
-        if self.neighbours.build():
-            self._run_still(self._scheme.derive(self._bind))  # particles have moved in memory
+        moved = self.neighbours.build()  # particles, in memory
+        self._run_still(self._scheme.derive(self._bind) if moved else self._scheme.listed(self._bind))
 
     def prepare(self) -> None:
         """Compile and load every kernel of a step, without taking one."""

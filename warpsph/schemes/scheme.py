@@ -138,7 +138,7 @@ class Scheme(ABC):
         parted, types = n if self.parts else 1, part_types(s, len(self.parts))
         unused = {"X": s.point, "F": s.mat, "vol0": s.real, "ripe": wp.int32, "fate": wp.int32}
         unused |= {"shrink": s.real, "contact_rate": s.real, "thickness": s.real, "av_switch": s.real}
-        unused |= {"cover": s.real, "inverted": wp.int32}
+        unused |= {"cover": s.real, "inverted": wp.int32, "company": wp.int32}
         unused |= {
             "fixed": wp.int32,
             "impulse": s.vec,
@@ -166,6 +166,10 @@ class Scheme(ABC):
 
     def derive(self, bind: Bind) -> list[Command]:
         """The launches that refill what one step leaves for the next and no checkpoint holds."""
+        return []
+
+    def listed(self, bind: Bind) -> list[Command]:
+        """The launches that follow new neighbour rows; `derive` has them too."""
         return []
 
     def plan(self, bind: Bind, blocks: Blocks, tiles: Tiles) -> list[Command]:
