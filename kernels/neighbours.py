@@ -17,6 +17,7 @@ class NeighbourKernels(NamedTuple):
 
     fill: wp.Kernel
     reserve: wp.Kernel
+    expect: wp.Kernel
 
 
 @functools.cache
@@ -142,13 +143,36 @@ def make_neighbours(
         offset: wp.int32,
         # in:
         n_neigh: wp.array[wp.int32],
+        start: wp.array[wp.int32],
         divisor: wp.int32,
         spare: wp.int32,
         # out:
         room: wp.array[wp.int32],
     ):
-        """Give a row what it needs now, a share of that, and ``spare`` places, at least one (see `fill`)."""
-        i = wp.tid() + offset
-        room[i] = row_end(0, n_neigh[i] + n_neigh[i] / divisor + spare)
+        """Give a row what it needs now, a share of that, and ``spare`` places, at least one (see `fill`).
 
-    return NeighbourKernels(fill, reserve)
+        A particle without neighbours keeps the room that it had: near Eulerian particles rows come and go.
+        """
+        i = wp.tid() + offset
+        least = row_end(0, n_neigh[i] + n_neigh[i] / divisor + spare)
+        room[i] = wp.where(n_neigh[i] == 0, wp.max(least, start[i + 1] - start[i]), least)
+
+    @wp.kernel(module=module)
+    def expect(
+        offset: wp.int32,
+        # in:
+        role: wp.array[wp.int32],
+        start: wp.array[wp.int32],
+        typical: wp.int32,
+        # out:
+        n_neigh: wp.array[wp.int32],
+        overflow: wp.array[wp.int32],
+    ):
+        """Count ``typical`` neighbours for particles that had no row and need one now, and report a lack of room before the search."""
+        i = wp.tid() + offset
+        if role[i] > 0 and n_neigh[i] == 0:
+            n_neigh[i] = typical
+            if start[i + 1] - start[i] <= typical:
+                overflow[0] = 1
+
+    return NeighbourKernels(fill, reserve, expect)

@@ -60,18 +60,18 @@ class Adaptive(Lagrangian):
         self.spread_radius = numerics.conversion.radius if numerics.conversion else None
 
     def arrays(self, n: int) -> dict[str, wp.array]:
-        """Add the artificial stress R, and what is in the rows."""
+        """Add the artificial stress R, and what the rows hold."""
         stressed = n if self._artificial_stress else 1
         own = {"R": wp.zeros(stressed, dtype=self._spec.sym), "company": wp.zeros(n, dtype=wp.int32)}
         return super().arrays(n) | own
 
     def derive(self, bind: Bind) -> list[Command]:
-        """R from σ besides, and what is in the rows."""
-        return super().derive(bind) + bound(bind, self._artificial_stress) + self.listed(bind)
+        """R from σ besides."""
+        return super().derive(bind) + bound(bind, self._artificial_stress)
 
     def listed(self, bind: Bind) -> list[Command]:
-        """What is in the rows."""
-        return [bind(self._company, changed="dt")]
+        """What the rows hold."""
+        return [*super().listed(bind), bind(self._company, changed="dt")]
 
     def probe(self, bind: Bind) -> list[Command]:
         """Forces and approach speeds."""

@@ -118,7 +118,8 @@ class Scheme(ABC):
         self._correction = (
             make_correction(spec, self.smoothing, planes, contact, lagrangian) if correction else None
         )
-        self._contact = make_contact(spec, self.smoothing, planes, self.parts).contact if contact else None
+        touching = make_contact(spec, self.smoothing, planes, self.parts) if contact else None
+        self._strangers, self._contact = touching or (None, None)
         self._constitutive = make_constitutive(spec, self._sheet, split, lagrangian)
 
     @property
@@ -151,6 +152,7 @@ class Scheme(ABC):
             "div": wp.zeros(1, dtype=s.real),
             "K": wp.zeros(corrected, dtype=s.mat),
             "G": wp.zeros(corrected, dtype=s.vec),
+            "n_strangers": wp.zeros(n if self._strangers else 1, dtype=wp.int32),
             "part_a": wp.zeros(parted, dtype=types.acceleration),
             "part_power": wp.zeros(parted, dtype=types.power),
             "turned": wp.zeros(1, dtype=wp.int32),
@@ -169,8 +171,8 @@ class Scheme(ABC):
         return []
 
     def listed(self, bind: Bind) -> list[Command]:
-        """The launches that follow new neighbour rows; `derive` has them too."""
-        return []
+        """The launches that follow new neighbour rows."""
+        return bound(bind, self._strangers)
 
     def plan(self, bind: Bind, blocks: Blocks, tiles: Tiles) -> list[Command]:
         """How far the next step may go, and whether it may be taken at all.

@@ -90,7 +90,7 @@ class Neighbours:
             self.x_listed = wp.zeros(n, dtype=spec.point)
         counts = count_cells(x, spec.dim, self.radius, [axis for axis, _ in planes])
         self.cells = CellList(n, spec, counts, self.x_listed, launcher)
-        self.search = Rows(n, self.cells, self._kernels, launcher, policy, self.block)
+        self.search = Rows(n, self.cells, self._kernels, launcher, policy, self.block, selective)
         self.builds = 0
 
     @property
