@@ -102,6 +102,9 @@ def make_correction(
         shepard = vol[i] * w(real(0.0), h)
         # scalars, not vectors or matrices: the compiler keeps them in registers
         G_x, G_y, G_z = real(0.0), real(0.0), real(0.0)
+        b_x, b_y, b_z = real(0.0), real(0.0), real(0.0)
+        xx, yy, zz = real(0.0), real(0.0), real(0.0)
+        xy, yz, xz = real(0.0), real(0.0), real(0.0)
         neighbours = wp.int32(0)
         k = wp.int32(first)
         while k < last:
@@ -115,43 +118,29 @@ def make_correction(
             )
             if worth(near):
                 r, V_j = wp.sqrt(r2), wp.where(near, real(read.real(vol, j)), zero)
-                shepard += V_j * w(r, h)
-                slope = V_j * dw_r(r, h)
-                G_x += slope * xij[0]
-                G_y += slope * xij[1]
-                G_z += slope * xij[2]
+                weight = V_j * w(r, h)
+                slope = V_j * dw_r(r, h) * xij
+                shepard += weight
+                G_x += slope[0]
+                b_x += weight * xij[0]
+                xx += slope[0] * xij[0]
+                if wp.static(dim > 1):
+                    G_y += slope[1]
+                    b_y += weight * xij[1]
+                    xy += slope[0] * xij[1]
+                    yy += slope[1] * xij[1]
+                if wp.static(dim > 2):
+                    G_z += slope[2]
+                    b_z += weight * xij[2]
+                    yz += slope[1] * xij[2]
+                    xz += slope[0] * xij[2]
+                    zz += slope[2] * xij[2]
                 neighbours += wp.where(near, 1, 0)
             k += 1
         log_G = vec(G_x, G_y, G_z) / shepard
-        xx, xy, xz = real(0.0), real(0.0), real(0.0)
-        yx, yy, yz = real(0.0), real(0.0), real(0.0)
-        zx, zy, zz = real(0.0), real(0.0), real(0.0)
-        k = wp.int32(first)
-        while k < last:
-            j = mirror.index(read.integer(neigh, k))
-            xij = mirror.apart(xi, read.point(x, j), mirror.sign(read.integer(neigh, k)), plane)
-            r2 = tensor.dot(xij, xij)
-            near = (
-                r2 < r_max2
-                and read.integer(neigh, k) != i
-                and counts(body[i], read.integer(body, j), read.integer(kernel_type, j))
-            )
-            if worth(near):
-                r, V_j = wp.sqrt(r2), wp.where(near, real(read.real(vol, j)), zero)
-                u = V_j * (dw_r(r, h) * xij - w(r, h) * log_G)
-                xx -= u[0] * xij[0]
-                if wp.static(dim > 1):
-                    xy -= u[0] * xij[1]
-                    yx -= u[1] * xij[0]
-                    yy -= u[1] * xij[1]
-                if wp.static(dim > 2):
-                    xz -= u[0] * xij[2]
-                    yz -= u[1] * xij[2]
-                    zx -= u[2] * xij[0]
-                    zy -= u[2] * xij[1]
-                    zz -= u[2] * xij[2]
-            k += 1
-        M = (real(1.0) / shepard) * mat(xx, xy, xz, yx, yy, yz, zx, zy, zz)
+        # Σ V (∇W - W G) ⊗ (x_b - x_a), in one loop: G is the same for all b
+        M = wp.outer(log_G, vec(b_x, b_y, b_z)) - mat(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+        M = (real(1.0) / shepard) * M
         inverse, ok = inverse_or_identity(M, neighbours)
         if ok:
             K[i] = inverse / shepard

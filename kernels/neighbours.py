@@ -143,19 +143,14 @@ def make_neighbours(
         offset: wp.int32,
         # in:
         n_neigh: wp.array[wp.int32],
-        start: wp.array[wp.int32],
         divisor: wp.int32,
         spare: wp.int32,
         # out:
         room: wp.array[wp.int32],
     ):
-        """Give a row what it needs now, a share of that, and ``spare`` places, at least one (see `fill`).
-
-        A particle without neighbours keeps the room that it had: near Eulerian particles rows come and go.
-        """
+        """Give a row what it needs now, a share of that, and ``spare`` places, at least one (see `fill`)."""
         i = wp.tid() + offset
-        least = row_end(0, n_neigh[i] + n_neigh[i] / divisor + spare)
-        room[i] = wp.where(n_neigh[i] == 0, wp.max(least, start[i + 1] - start[i]), least)
+        room[i] = row_end(0, n_neigh[i] + n_neigh[i] / divisor + spare)
 
     @wp.kernel(module=module)
     def expect(
