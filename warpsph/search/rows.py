@@ -51,7 +51,8 @@ class Rows:
             launcher: The device.
             policy: Room of the rows.
             block: Where the entries go.
-            selective: Particles may come to have a row that had none, by their ``role``.
+            selective: Particles may come to have a row that had none, by their ``role``. They get room ahead of a search
+                on a CPU, where rows have room to spare.
         """
         self._n, self.cells = n, cells
         self._kernels, self._launcher, self._policy, self._block = kernels, launcher, policy, block
@@ -61,7 +62,7 @@ class Rows:
             self.n_neigh = wp.zeros(n, dtype=wp.int32)
         self.start = self._by_particle(self._starts)
         self._rooms, self._layouts = [1] * len(self._cuts()), 0
-        self._selective, self._typical = selective, 0
+        self._expecting, self._typical = selective and policy.lanes > 1, 0
 
     @property
     def generation(self) -> int:
@@ -104,7 +105,7 @@ class Rows:
         Reading one flag back is the only synchronisation: rows keep their place as long as all of them have room. Of rows
         that are new another flag tells, so that they get room before they are found to have none.
         """
-        if self._selective and self._typical and self._newcomers(sources):
+        if self._expecting and self._typical and self._newcomers(sources):
             self._enlarge()
         self._run(sources, named)
         if self._overflow.numpy()[0]:
@@ -131,7 +132,7 @@ class Rows:
         Raises:
             RunError: Offsets no longer fit into 32 bits.
         """
-        if self._selective and not self._typical:
+        if self._expecting and not self._typical:
             counts = self.n_neigh.numpy()
             self._typical = int(counts.sum() / max(np.count_nonzero(counts), 1))
         (room,) = self._block.views((wp.int32, self._starts.size))
