@@ -233,15 +233,17 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
         # scalars, not vectors: the compiler keeps them in registers
         low_x, low_y, low_z = rank(real(1.0e30)), rank(real(1.0e30)), rank(real(1.0e30))
         high_x, high_y, high_z = rank(real(-1.0e30)), rank(real(-1.0e30)), rank(real(-1.0e30))
-        k = wp.int32(tile_start[t] + hand % hands)
-        last = wp.int32(tile_start[t + 1])
-        while k < last:
-            i = read.integer(member, k) & LARGEST
+        first = tile_start[t] + hand % hands
+        # counted one by one, which the compiler unrolls: a GPU then waits for several particles at once
+        count = (tile_start[t + 1] - first + hands - 1) / hands
+        k = wp.int32(0)
+        while k < count:
+            i = read.integer(member, first + k * hands) & LARGEST
             moved = vec(read.point(x, i) - read.point(x_listed, i))
             low_x, high_x = wp.min(low_x, rank(moved[0])), wp.max(high_x, rank(moved[0]))
             low_y, high_y = wp.min(low_y, rank(moved[1])), wp.max(high_y, rank(moved[1]))
             low_z, high_z = wp.min(low_z, rank(moved[2])), wp.max(high_z, rank(moved[2]))
-            k += hands
+            k += 1
         low = vec(ranked(low_x), ranked(low_y), ranked(low_z))
         high = vec(ranked(high_x), ranked(high_y), ranked(high_z))
         for c in range(3):
