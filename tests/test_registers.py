@@ -140,7 +140,7 @@ def test_entries_belong_to_kernels():
     module = make_neighbours(SPEC, False).fill.module
     found = {f"{key}_0a1b2c3d_cuda_kernel_forward": Usage(n) for n, key in enumerate(module.kernels)}
     owned = registers.by_kernel(module, found)
-    assert {kernel.func.__name__ for kernel, _ in owned} == {"fill", "reserve"}
+    assert {kernel.func.__name__ for kernel, _ in owned} == {"fill", "reserve", "expect"}
     assert [module.kernels[kernel.key] for kernel, _ in owned] == [kernel for kernel, _ in owned]
     with pytest.raises(RunError, match=r"nothing of make_neighbours__locals__fill in .*neighbours\.3d_f64"):
         registers.by_kernel(module, {e: u for e, u in found.items() if "fill" not in e})

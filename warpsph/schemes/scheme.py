@@ -119,7 +119,8 @@ class Scheme(ABC):
         self._correction = (
             make_correction(spec, self.smoothing, planes, contact, lagrangian) if correction else None
         )
-        self._contact = make_contact(spec, self.smoothing, planes, self.parts).contact if contact else None
+        touching = make_contact(spec, self.smoothing, planes, self.parts) if contact else None
+        self._strangers, self._contact = touching or (None, None)
         self._constitutive = make_constitutive(spec, self._sheet, split, lagrangian)
 
     @property
@@ -139,7 +140,7 @@ class Scheme(ABC):
         parted, types = n if self.parts else 1, part_types(s, len(self.parts))
         unused = {"X": s.point, "F": s.mat, "vol0": s.real, "ripe": wp.int32, "fate": wp.int32}
         unused |= {"shrink": s.real, "contact_rate": s.real, "thickness": s.real, "av_switch": s.real}
-        unused |= {"cover": s.real, "inverted": wp.int32}
+        unused |= {"cover": s.real, "inverted": wp.int32, "company": wp.int32}
         unused |= {
             "fixed": wp.int32,
             "impulse": s.vec,
@@ -152,6 +153,7 @@ class Scheme(ABC):
             "div": wp.zeros(1, dtype=s.real),
             "K": wp.zeros(corrected, dtype=s.mat),
             "G": wp.zeros(corrected, dtype=s.vec),
+            "n_strangers": wp.zeros(n if self._strangers else 1, dtype=wp.int32),
             "part_a": wp.zeros(parted, dtype=types.acceleration),
             "part_power": wp.zeros(parted, dtype=types.power),
             "turned": wp.zeros(1, dtype=wp.int32),
@@ -168,6 +170,10 @@ class Scheme(ABC):
     def derive(self, bind: Bind) -> list[Command]:
         """The launches that refill what one step leaves for the next and no checkpoint holds."""
         return []
+
+    def listed(self, bind: Bind) -> list[Command]:
+        """The launches that follow new neighbour rows."""
+        return bound(bind, self._strangers)
 
     def plan(self, bind: Bind, blocks: Blocks, tiles: Tiles) -> list[Command]:
         """How far the next step may go, and whether it may be taken at all.
