@@ -69,9 +69,10 @@ class Spec:
         """CPU compiler flags of loops over lanes.
 
         The widest registers hold 8 double-precision numbers or 16 single ones. In 2D a row has 24 entries: of these 16
-        would leave 8, which are then done one by one. Registers of 8 leave none.
+        would leave 8, which are then done one by one. Registers of 8 leave none. With positions in double precision a
+        loop handles no more than 8 at once anyway.
         """
-        narrow = self.real is wp.float32 and self.dim < 3
+        narrow = self.place is wp.float32 and self.dim < 3
         return f"{LANE_FLAGS} -mprefer-vector-width={256 if narrow else 512}"
 
     def module(self, file: str, variant: str = "", lanes: bool = False, tables: str = "") -> str:
