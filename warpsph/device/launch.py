@@ -1,5 +1,6 @@
 """The one way kernels are launched: arguments bound by name, checked, and sliced over CPU threads."""
 
+import contextlib
 import functools
 import inspect
 import itertools
@@ -10,6 +11,7 @@ import warp as wp
 
 from warpsph.messages import values
 
+from .subnormals import Flushing
 from .team import Team
 
 SLICES_PER_THREAD = 2
@@ -88,6 +90,7 @@ class Launcher:
     Attributes:
         device: The Warp device.
         threads: CPU threads in use (1 on CUDA).
+        arithmetic: ``with`` it, many launches in a row set the thread's arithmetic once (see `subnormals`).
     """
 
     def __init__(self, device: str = "cpu", threads: int | None = None):
@@ -102,6 +105,7 @@ class Launcher:
             raise values.outside("threads", threads, f"1 or more (this machine has {cores})")
         self.threads = 1 if self.device.is_cuda else (threads or cores)
         self._team = Team(self.threads) if self.threads > 1 else None
+        self.arithmetic = contextlib.nullcontext() if self.device.is_cuda else Flushing()
 
     def slices(self, dim: int, most: int, length: int | None = None) -> list[tuple[int, int]]:
         """Cut a launch of ``dim`` threads into ``most`` (first, size) pieces, or fewer if there are not as many threads.
@@ -115,11 +119,12 @@ class Launcher:
 
     def execute(self, slices: list[wp.Launch]) -> None:
         """Run recorded slices, shared by the team where there are several."""
-        if len(slices) == 1 or self._team is None:
-            for piece in slices:
-                piece.launch()
-        else:
-            self._team.share([piece.launch for piece in slices])
+        with self.arithmetic:
+            if len(slices) == 1 or self._team is None:
+                for piece in slices:
+                    piece.launch()
+            else:
+                self._team.share([piece.launch for piece in slices])
 
     def bind(
         self,
