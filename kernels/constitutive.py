@@ -12,6 +12,7 @@ from . import strength as strength_laws
 from .damage import make_damage
 from .deformation import INVERTED
 from .eos import ETA_MIN, make_eos
+from .index import natural
 from .kernel_type import ERODED, LAGRANGIAN
 from .material import FIRST_NONLINEAR, make_material
 from .spec import Spec
@@ -45,7 +46,7 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool, lagrangian: bool
         split: The density follows a rate of its own, ``div``, not tr L: a Riemann scheme sums them apart.
         lagrangian: There are Lagrangian particles: their density is ρ0/J.
     """
-    real, matrix = s.real, s.mat
+    real, matrix, sym = s.real, s.mat, s.sym
     Material, tensor, eos = make_material(s), make_tensor(s), make_eos(s)
     strength, damage, nonlinear = make_strength(s), make_damage(s), int(FIRST_NONLINEAR)
     one, zero, stiff = real(1.0), real(0.0), real(4.0 / 3.0)
@@ -182,22 +183,26 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool, lagrangian: bool
         ``div`` is the rate of volume div v [1/s] of a scheme that splits it from dvdx, else 1 long and not read.
         In plane stress σ and the volume are those of the sheet: σ times, and V over, the thickness ratio.
         """
-        i = wp.tid() + offset
+        i = natural(wp.tid() + offset)
         if dt[0] == zero:
             return
-        row = materials[mat[i]]
-        rate = wp.trace(dvdx[i])
-        if wp.static(split):
-            rate = div[i]
-        rho_next = rho[i] * wp.exp(-dt[0] * rate)
+        follows = bool(True)  # the rate of volume
         if wp.static(lagrangian):
             if kernel_type[i] == ERODED:
                 return
-            if kernel_type[i] == LAGRANGIAN and fate[i] != wp.static(INVERTED):
-                vol_next = vol0[i] * wp.determinant(F[i])
-                if wp.static(plane_stress):
-                    vol_next *= thickness[i]
-                rho_next = m[i] / vol_next
+            follows = kernel_type[i] != LAGRANGIAN or fate[i] == wp.static(INVERTED)
+        rho_next = real(0.0)
+        if follows:
+            rate = wp.trace(dvdx[i])
+            if wp.static(split):
+                rate = div[i]
+            rho_next = rho[i] * wp.exp(-dt[0] * rate)
+        else:
+            vol_next = vol0[i] * wp.determinant(F[i])
+            if wp.static(plane_stress):
+                vol_next *= thickness[i]
+            rho_next = m[i] / vol_next
+        row = materials[natural(mat[i])]  # after exp: what is read before a call is kept on the stack
         rho_i, tau_i, d_ep, p_i, c_i, out, D_i, L_zz = update(
             row, dvdx[i], dt[0], rho_next, e[i], tensor.unpack(tau[i]), ep[i], T[i], D[i], cs[i]
         )
@@ -214,9 +219,10 @@ def make_constitutive(s: Spec, plane_stress: bool, split: bool, lagrangian: bool
             D[i] = D_i
         p[i] = p_i
         cs[i] = c_i
-        cl[i] = wp.sqrt(c_i * c_i + stiff * row.G / rho_i)
-        sig[i] = tensor.pack(sheet * (tau_i - p_i * wp.identity(n=3, dtype=real)))
-        vol[i] = m[i] / (rho_i * sheet)
+        specific = one / rho_i
+        cl[i] = wp.sqrt(c_i * c_i + stiff * row.G * specific)
+        sig[i] = sheet * (tensor.pack(tau_i) - sym(p_i, p_i, p_i, zero, zero, zero))
+        vol[i] = m[i] * specific / sheet
         p_high[i] = wp.max(p_high[i], p_i)
         p_low[i] = wp.min(p_low[i], p_i)
         clipped[i] = clipped[i] + out

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import warp as wp
 
+from .index import natural
 from .kernel_type import LAGRANGIAN
 from .lanes import make_lanes, make_reads
 from .mirror import make_mirror
@@ -75,7 +76,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         rate0: wp.array[mat],
     ):
         """rate0 = Σ V0_b (v_b - v_a) ⊗ K⁻¹ g0_ab [1/s], which is Fdot K⁻ᵀ (section 4)."""
-        i = wp.tid() + offset
+        i = natural(wp.tid() + offset)
         if dt[0] == zero:
             return
         if kernel_type[i] != LAGRANGIAN and interface[i] == 0:
@@ -138,7 +139,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         That is F of the positions after the drift with v. An Eulerian particle beside the Lagrangian region keeps F up
         to date too, but has its velocity gradient from elsewhere (section 5): the two may part company.
         """
-        i = wp.tid() + offset
+        i = natural(wp.tid() + offset)
         if dt[0] == zero:
             return
         fate[i] = wp.static(KEPT)
@@ -184,7 +185,7 @@ def make_deformation(s: Spec, corrected: bool, planes: bool) -> DeformationKerne
         shrink bounds the largest contraction of a line, 1/λ_min <= sqrt(|F⁻¹ F⁻ᵀ|∞): waves cross the reference
         configuration so much faster. It is exact where the principal directions are the axes; 1 for particles without F.
         """
-        i = wp.tid() + offset
+        i = natural(wp.tid() + offset)
         if dt[0] == zero:
             return
         shrink[i] = one

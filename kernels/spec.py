@@ -12,11 +12,9 @@ neighbours are filled up to a multiple of it."""
 COLUMNS = 32
 """Rows of neighbours that stand side by side on a GPU, one for each thread of a warp."""
 
-LANE_FLAGS = (
-    "-mreassociate -fno-signed-zeros -mprefer-vector-width=512 -mllvm=-force-target-max-vector-interleave=1"
-)
-"""CPU compiler flags of loops over lanes: sums may be taken in any order and a zero has no sign; the widest registers,
-one at a time, for rows are short."""
+LANE_FLAGS = "-mreassociate -fno-signed-zeros -mllvm=-force-target-max-vector-interleave=1"
+"""CPU compiler flags of loops over lanes: sums may be taken in any order and a zero has no sign; one register at a time,
+for rows are short. `Spec.lane_flags` adds how wide it is."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +75,17 @@ class Spec:
         own = "mixed" if self.place is not self.real else "f32" if self.real is wp.float32 else "f64"
         return f"{self.dim}d_{own}" + "_gpu" * (self.lanes == 1)
 
+    @property
+    def lane_flags(self) -> str:
+        """CPU compiler flags of loops over lanes.
+
+        The widest registers hold 8 double-precision numbers or 16 single ones. In 2D a row has 24 entries: of these 16
+        would leave 8, which are then done one by one. Registers of 8 leave none. With positions in double precision a
+        loop handles no more than 8 at once anyway.
+        """
+        narrow = self.place is wp.float32 and self.dim < 3
+        return f"{LANE_FLAGS} -mprefer-vector-width={256 if narrow else 512}"
+
     def module(self, file: str, variant: str = "", lanes: bool = False, tables: str = "") -> str:
         """Name the Warp module that holds the kernels of ``file`` at this specialisation.
 
@@ -89,7 +98,7 @@ class Spec:
         wp.get_module(name).options |= {"enable_backward": False, "default_grid_stride": False}
         if lanes and self.lanes > 1:
             flags = wp.config.cpu_compiler_flags or "-march=native"
-            wp.get_module(name).options["cpu_compiler_flags"] = f"{flags} {LANE_FLAGS}"
+            wp.get_module(name).options["cpu_compiler_flags"] = f"{flags} {self.lane_flags}"
         if tables:  # every option is in the hash by which Warp keeps modules
             wp.get_module(name).options["tables"] = tables
         return name

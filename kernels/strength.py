@@ -259,7 +259,7 @@ def make_strength(s: Spec) -> Strength:
     von_mises = make_tensor(s).von_mises
     linear_flow, nonlinear_flow = _linear_flow(real, Material), _nonlinear_flow(real, Material)
     softening, plastic_increment = _softening(real, Material), _plastic_increment(real, Material)
-    fluid, nonlinear = int(StrengthId.FLUID), int(FIRST_NONLINEAR)
+    fluid, metal, nonlinear = int(StrengthId.FLUID), int(StrengthId.JOHNSON_COOK), int(FIRST_NONLINEAR)
 
     @wp.func
     def flow_stress(m: Material, ep: real, rate: real, T: real, p: real, D: real):
@@ -288,9 +288,12 @@ def make_strength(s: Spec) -> Strength:
     @wp.func
     def nonlinear_return(m: Material, tau_trial: mat, ep: real, T: real, p: real, D: real, dt: real):
         """The same for Y(εp + Δεp, Δεp/dt) = q - 3G Δεp, at the T, p and D given."""
-        soft = softening(m, T)
+        soft, q = softening(m, T), von_mises(tau_trial)
+        if (
+            m.strength == metal and D < m.D_shear and q <= m.A * soft
+        ):  # elastic even if it never hardened: no power
+            return tau_trial, real(0.0)
         Y_0, _H, _S = nonlinear_flow(m, ep, real(0.0), soft, p, D)
-        q = von_mises(tau_trial)
         if q <= Y_0:
             return tau_trial, real(0.0)
         d_ep, Y = plastic_increment(m, q, Y_0, ep, soft, p, D, dt)

@@ -33,6 +33,7 @@ class Tensor(NamedTuple):
 def make_tensor(s: Spec) -> Tensor:
     """Build the functions for one specialisation."""
     real, vec, mat, sym, dim = s.real, s.vec, s.mat, s.sym, s.dim
+    a_third = real(1.0 / 3.0)
 
     if dim == 1:
 
@@ -110,23 +111,39 @@ def make_tensor(s: Spec) -> Tensor:
         """The symmetric tensor of six numbers."""
         return mat(S[0], S[3], S[5], S[3], S[1], S[4], S[5], S[4], S[2])
 
-    @wp.func
-    def stretch(L: mat):
-        """Rate of deformation D = sym L [1/s]."""
-        return real(0.5) * (L + wp.transpose(L))
-
     rotate = _rotation_in_plane(s) if dim < 3 else _rotation(s)
+
+    if dim < 3:
+
+        @wp.func
+        def stretch(L: mat):
+            """Rate of deformation D = sym L [1/s]; nothing shears out of the plane."""
+            shear, zero = real(0.5) * (L[0, 1] + L[1, 0]), real(0.0)
+            return mat(L[0, 0], shear, zero, shear, L[1, 1], zero, zero, zero, L[2, 2])
+
+    else:
+
+        @wp.func
+        def stretch(L: mat):
+            """Rate of deformation D = sym L [1/s]."""
+            return real(0.5) * (L + wp.transpose(L))
 
     @wp.func
     def deviator(T: mat):
         """T - tr(T)/3 I."""
-        third = wp.trace(T) / real(3.0)
-        return T - third * wp.identity(n=3, dtype=real)
+        third = a_third * wp.trace(T)
+        return mat(
+            T[0, 0] - third, T[0, 1], T[0, 2],
+            T[1, 0], T[1, 1] - third, T[1, 2],
+            T[2, 0], T[2, 1], T[2, 2] - third,
+        )  # fmt: skip
 
     @wp.func
     def von_mises(T: mat):
-        """sqrt(3/2 T:T) of a deviator."""
-        return wp.sqrt(real(1.5) * wp.ddot(T, T))
+        """sqrt(3/2 T:T) of a symmetric deviator, from its upper triangle."""
+        along = T[0, 0] * T[0, 0] + T[1, 1] * T[1, 1] + T[2, 2] * T[2, 2]
+        shear = T[0, 1] * T[0, 1] + T[1, 2] * T[1, 2] + T[0, 2] * T[0, 2]
+        return wp.sqrt(real(1.5) * along + real(3.0) * shear)
 
     @wp.func
     def curl(L: mat):
@@ -147,15 +164,16 @@ def _rotation(s: Spec) -> wp.Function:
 
         The midpoint form of Jaumann's T + dt (Ω T - T Ω) of section 7 (Hughes & Winget 1980).
         """
-        quarter = real(0.25) * dt
-        ax = quarter * (L[2, 1] - L[1, 2])
-        ay = quarter * (L[0, 2] - L[2, 0])
-        az = quarter * (L[1, 0] - L[0, 1])
-        zero = real(0.0)
-        A = mat(zero, -az, ay, az, zero, -ax, -ay, ax, zero)
-        Q = wp.identity(n=3, dtype=real) + (real(2.0) / (real(1.0) + ax * ax + ay * ay + az * az)) * (
-            A + A * A
-        )
+        quarter, one = real(0.25) * dt, real(1.0)
+        a = quarter * (L[2, 1] - L[1, 2])
+        b = quarter * (L[0, 2] - L[2, 0])
+        c = quarter * (L[1, 0] - L[0, 1])
+        k = real(2.0) / (one + a * a + b * b + c * c)
+        Q = mat(
+            one - k * (b * b + c * c), k * (a * b - c), k * (a * c + b),
+            k * (a * b + c), one - k * (a * a + c * c), k * (b * c - a),
+            k * (a * c - b), k * (b * c + a), one - k * (a * a + b * b),
+        )  # fmt: skip
         return Q * T * wp.transpose(Q)
 
     return rotate

@@ -9,6 +9,7 @@ import warp as wp
 from tools import DOUBLE, PLASTIC
 
 from warpsph.device.launch import SMALLEST_LIGHT_SLICE, Launcher
+from warpsph.device.subnormals import can_flush
 from warpsph.device.team import Team
 from warpsph.errors import InputError
 from warpsph.kernels.constitutive import make_constitutive
@@ -166,3 +167,20 @@ def test_a_launch_that_fails_in_any_thread_says_so():
 
     with pytest.raises(ValueError, match="no"):
         Team(3).share([fail] * 6)
+
+
+@pytest.mark.skipif(not can_flush(), reason="this machine or its C library keeps subnormal numbers")
+@pytest.mark.parametrize("threads", [1, 3])
+def test_subnormal_numbers_are_zero_in_kernels_and_nowhere_else(threads):
+    """Read and written as zero, by each thread; the calling thread's arithmetic is its own again after the launch."""
+    n, small, least = 3 * SMALLEST_LIGHT_SLICE, 1e-310, np.finfo(float).tiny
+    source = np.full(n, small)
+    source[::2] = least
+    target = wp.full(n, 1.0, dtype=wp.float64, device="cpu")
+    launcher = Launcher("cpu", threads)
+    launcher.launch(scale, n, factor=2.0, source=wp.array(source, device="cpu"), target=target)
+    np.testing.assert_array_equal(target.numpy()[::2], 2.0 * least)
+    np.testing.assert_array_equal(target.numpy()[1::2], 0.0)
+    launcher.launch(scale, n, factor=0.5, source=wp.array(source, device="cpu"), target=target)
+    assert not target.numpy().any()
+    assert (0.5 * source).all()

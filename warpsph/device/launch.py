@@ -1,5 +1,6 @@
 """The one way kernels are launched: arguments bound by name, checked, and sliced over CPU threads."""
 
+import contextlib
 import functools
 import inspect
 import itertools
@@ -10,6 +11,7 @@ import warp as wp
 
 from warpsph.messages import values
 
+from .subnormals import Flushing
 from .team import Team
 
 SLICES_PER_THREAD = 2
@@ -20,6 +22,10 @@ SMALLEST_SLICE = 512
 
 SMALLEST_LIGHT_SLICE = 10000
 """The same for other kernels: to wake a thread takes as long as they do for fewer."""
+
+BLOCK = 128
+"""Threads of a block on CUDA. No smaller share of a multiprocessor's registers is left over with it than with 256, and a
+half more threads are under way where a thread takes more than 128 of them (docs/registers.md)."""
 
 LABOUR = {"neigh", "neigh0", "materials"}
 """Arguments of kernels with much to do: rows of neighbours, laws of materials."""
@@ -63,12 +69,12 @@ class Command:
         self, launcher: "Launcher", kernel: wp.Kernel, dim: int, args: list, most: int, block: int | None
     ):
         self._launcher = launcher
-        options = {"device": launcher.device, "block_dim": block, "record_cmd": True}
+        options = {"device": launcher.device, "block_dim": block or threads_of_block(launcher.device)}
         self._slices = []
         lengths = [arg.length for arg in args if isinstance(arg, Pieces)]
         for first, size in launcher.slices(dim, most, min(lengths, default=dim)):
             given = [arg.serving(first) if isinstance(arg, Pieces) else arg for arg in args]
-            self._slices.append(wp.launch(kernel, size, [first, *given], **options))
+            self._slices.append(wp.launch(kernel, size, [first, *given], record_cmd=True, **options))
 
     def __call__(self) -> None:
         """Run it; returns when the work is done (CPU) or queued (CUDA)."""
@@ -84,6 +90,7 @@ class Launcher:
     Attributes:
         device: The Warp device.
         threads: CPU threads in use (1 on CUDA).
+        arithmetic: ``with`` it, many launches in a row set the thread's arithmetic once (see `subnormals`).
     """
 
     def __init__(self, device: str = "cpu", threads: int | None = None):
@@ -98,6 +105,7 @@ class Launcher:
             raise values.outside("threads", threads, f"1 or more (this machine has {cores})")
         self.threads = 1 if self.device.is_cuda else (threads or cores)
         self._team = Team(self.threads) if self.threads > 1 else None
+        self.arithmetic = contextlib.nullcontext() if self.device.is_cuda else Flushing()
 
     def slices(self, dim: int, most: int, length: int | None = None) -> list[tuple[int, int]]:
         """Cut a launch of ``dim`` threads into ``most`` (first, size) pieces, or fewer if there are not as many threads.
@@ -111,11 +119,12 @@ class Launcher:
 
     def execute(self, slices: list[wp.Launch]) -> None:
         """Run recorded slices, shared by the team where there are several."""
-        if len(slices) == 1 or self._team is None:
-            for piece in slices:
-                piece.launch()
-        else:
-            self._team.share([piece.launch for piece in slices])
+        with self.arithmetic:
+            if len(slices) == 1 or self._team is None:
+                for piece in slices:
+                    piece.launch()
+            else:
+                self._team.share([piece.launch for piece in slices])
 
     def bind(
         self,
@@ -136,7 +145,7 @@ class Launcher:
             dim: Number of threads.
             sources: Objects whose attributes supply arguments; the first that has the name wins.
             particles: Particles that the threads go through, if not one each.
-            block: Threads of a block on CUDA, if not Warp's own choice.
+            block: Threads of a block on CUDA, if not `BLOCK`.
             named: Arguments given here, before any source; a text is the name to look for instead.
 
         Raises:
@@ -179,6 +188,11 @@ def _checked(kernel: wp.Kernel, var, name: str, value: object) -> object:
                 f"{kernel.key}: array {name!r} has type {found.__name__}, not {expected.__name__}"
             )
     return value
+
+
+def threads_of_block(device: wp.Device) -> int:
+    """Give the number of threads that a block has on a device."""
+    return BLOCK if device.is_cuda else 1
 
 
 def count_cores() -> int:

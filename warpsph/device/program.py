@@ -20,6 +20,7 @@ class Program:
     def __init__(self, launcher: Launcher):
         self.captured = launcher.device.is_cuda
         self._device = launcher.device
+        self._arithmetic = launcher.arithmetic
         self._commands: list[Command] = []
         self._graph: wp.Graph | None = None
 
@@ -29,13 +30,14 @@ class Program:
 
     def run(self, count: int) -> None:
         """Run everything ``count`` times; the first time after `bind` one by one, so that all code is on the device."""
-        for _ in range(count):
-            if self.captured and self._graph is not None:
-                wp.capture_launch(self._graph)
-                continue
-            self._launch()
-            if self.captured:
-                self._graph = self._capture()
+        with self._arithmetic:
+            for _ in range(count):
+                if self.captured and self._graph is not None:
+                    wp.capture_launch(self._graph)
+                    continue
+                self._launch()
+                if self.captured:
+                    self._graph = self._capture()
 
     def _launch(self) -> None:
         for command in self._commands:

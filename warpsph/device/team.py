@@ -5,12 +5,17 @@ from collections.abc import Callable, Iterator
 from queue import SimpleQueue
 from threading import Thread
 
+from .subnormals import flush
+
 Work = Callable[[], None]
 """A piece of work."""
 
 
 class Team:
-    """The calling thread and its helpers, which wait for work in queues: no pool hands it over faster."""
+    """The calling thread and its helpers, which wait for work in queues: no pool hands it over faster.
+
+    Helpers take subnormal numbers for zero, see `subnormals`.
+    """
 
     def __init__(self, threads: int):
         """Start ``threads`` - 1 helpers; they end with the team."""
@@ -37,6 +42,7 @@ class Team:
 
 
 def _help(jobs: SimpleQueue) -> None:
+    flush()
     while (job := jobs.get()) is not None:
         rest, ended = job
         ended.put(_work(rest))
