@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from types import SimpleNamespace
 
 import numpy as np
 import warp as wp
@@ -52,16 +53,28 @@ class CellList:
             block: Work space.
         """
         width = (1.0 + MARGIN) * reach
-        n, i32, launch = self._n, wp.int32, self._launcher.launch
         self.cell_scale = self._spec.point(ALONG / width, 1.0 / width, 1.0 / width)
+        bound = block.bound((self, reach, x.ptr), lambda: self._bind(x, block))
+        bound.keys()
+        wp.utils.radix_sort_pairs(bound.key, bound.order, self._n, end_bit=self._bits)
+        bound.count.zero_()
+        bound.counts()
+        wp.utils.array_scan(bound.count, self.cell_start, inclusive=False)
+        wp.copy(self.order, bound.order, count=self._n)
+        bound.gather()
+
+    def _bind(self, x: wp.array, block: Block) -> SimpleNamespace:
+        """Work space, and the launches that use it."""
+        n, i32, bind = self._n, wp.int32, self._launcher.bind
         key, order, count = block.views((i32, 2 * n), (i32, 2 * n), (i32, self.cell_start.size))
-        launch(self._kernels.keys, n, self, x=x, key=key, order=order)
-        wp.utils.radix_sort_pairs(key, order, n, end_bit=self._bits)
-        count.zero_()
-        launch(self._kernels.counts, n, key=key, n=n, cell_count=count)
-        wp.utils.array_scan(count, self.cell_start, inclusive=False)
-        wp.copy(self.order, order, count=n)
-        launch(self._gather, n, self, source=x, target=self.x_sorted)
+        return SimpleNamespace(
+            key=key,
+            order=order,
+            count=count,
+            keys=bind(self._kernels.keys, n, self, x=x, key=key, order=order),
+            counts=bind(self._kernels.counts, n, key=key, n=n, cell_count=count),
+            gather=bind(self._gather, n, self, source=x, target=self.x_sorted),
+        )
 
 
 def count_cells(x: np.ndarray, dim: int, reach: float, mirrored: Sequence[int] = ()) -> tuple[int, int, int]:

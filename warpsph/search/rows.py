@@ -107,9 +107,15 @@ class Rows:
 
     def _run(self, sources: tuple, named: dict) -> None:
         self._overflow.zero_()
-        self._launcher.launch(
-            self._kernels.fill, self._n, self, self.cells, *sources, overflow=self._overflow, **named
+        given = (getattr(value, "ptr", value) for value in named.values())
+        key = (self, self._layouts, *self.cells.cell_scale, *sources, *given)
+        fill = self._block.bound(
+            key,
+            lambda: self._launcher.bind(
+                self._kernels.fill, self._n, self, self.cells, *sources, overflow=self._overflow, **named
+            ),
         )
+        fill()
 
     def _enlarge(self) -> None:
         """Make room for what the last filling counted.

@@ -1,10 +1,12 @@
 """Tiles of space over the particles, rebuilt with the neighbour rows: they tell when the rows are worn out."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import warp as wp
 
 from warpsph.device.launch import Launcher
-from warpsph.kernels.tiles import make_tiles
+from warpsph.kernels.tiles import KEY_BITS, make_tiles
 from warpsph.particles import Particles
 
 from .block import Block
@@ -87,26 +89,40 @@ class Tiles:
             block: Work space.
             role: The particles' roles, shape [n], where they are known; found if None.
         """
-        p, k, launch, n = self._particles, self._kernels, self._launcher.launch, self._particles.n
-        i32 = wp.int32
-        key, member, head, number = block.views((i32, 2 * n), (i32, 2 * n), (i32, n), (i32, n))
+        p, n = self._particles, self._particles.n
         while True:
-            launch(k.keys, n, p, width=self.width, key=key, member=member)
-            wp.utils.radix_sort_pairs(key, member, n)
-            launch(k.heads, n, key=key, head=head)
-            wp.utils.array_scan(head, number, inclusive=True)
-            launch(k.starts, n, self, head=head, number=number, n=n)
+            bound = block.bound((self, self.width), lambda: self._bind(rows, block))
+            bound.keys()
+            wp.utils.radix_sort_pairs(bound.key, bound.member, n, end_bit=KEY_BITS * p.spec.dim)
+            bound.heads()
+            wp.utils.array_scan(bound.head, bound.number, inclusive=True)
+            bound.starts()
             if int(self.n_tiles.numpy()[0]) <= self.most:
                 break
             self.width *= 1.5
-        wp.copy(self.member, member, count=n)
-        launch(k.boxes, self.most, self, p, rows)
+        wp.copy(self.member, bound.member, count=n)
+        bound.boxes()
         if self._selective:
-            launch(k.contents, self.most, self, p)
+            bound.contents()
             if role is None:
-                launch(k.roles, self.most, self, p, rows)
+                bound.roles()
             else:
                 self._recall(role)
+
+    def _bind(self, rows: object, block: Block) -> SimpleNamespace:
+        """Work space, and the launches that use it."""
+        p, k, bind, n = self._particles, self._kernels, self._launcher.bind, self._particles.n
+        i32 = wp.int32
+        key, member, head, number = block.views((i32, 2 * n), (i32, 2 * n), (i32, n), (i32, n))
+        bound = SimpleNamespace(key=key, member=member, head=head, number=number)
+        bound.keys = bind(k.keys, n, p, width=self.width, key=key, member=member)
+        bound.heads = bind(k.heads, n, key=key, head=head)
+        bound.starts = bind(k.starts, n, self, head=head, number=number, n=n)
+        bound.boxes = bind(k.boxes, self.most, self, p, rows)
+        if self._selective:
+            bound.contents = bind(k.contents, self.most, self, p)
+            bound.roles = bind(k.roles, self.most, self, p, rows)
+        return bound
 
     def _recall(self, role: np.ndarray) -> None:
         """Tell the tiles' roles from those of their particles."""
