@@ -17,7 +17,6 @@ from .kernels.kernel_type import ERODED, EULERIAN
 from .kernels.ledger import MAXIMA, SUMS
 from .kernels.sort import make_sort
 from .kernels.spec import Spec
-from .kernels.team import make_team
 from .kernels.timestep import COLLAPSED, INSIDE_OUT, NON_FINITE, RUNNING, STALE
 from .materials import pack
 from .memory.admission import admit
@@ -189,7 +188,7 @@ class Solver:
 
     def _kernels(self) -> set[wp.Kernel]:
         """The kernels of this run, launched or of one module with those that are."""
-        found = kernels_of(self, self._scheme, self.neighbours.cells, self.watch) | set(
+        found = kernels_of(self, self._scheme, self.neighbours.cells, self.watch, self.program) | set(
             make_sort(self._spec).values()
         )
         if self.reference is not None:

@@ -10,9 +10,9 @@ import warp as wp
 
 from warpsph.messages import values
 
-from .team import Team, Work
+from .team import Team, Work, run_all
 
-SLICES_PER_THREAD = 2
+SLICES_PER_THREAD = 4
 """A CPU launch is cut into this many slices per thread, taken as they come: uneven rows balance out."""
 
 SMALLEST_SLICE = 512
@@ -111,11 +111,18 @@ class Launcher:
 
     def execute(self, slices: list[wp.Launch], worth: bool = True) -> None:
         """Run recorded slices, shared by the team where there are several and it is ``worth`` to wake it."""
-        if len(slices) == 1 or self._team is None or not worth:
-            for piece in slices:
-                piece.launch()
+        pieces = [piece.launch for piece in slices]
+        self.share(pieces) if worth else run_all(pieces)
+
+    def share(self, works: list[Work]) -> None:
+        """Run pieces of work that do not depend on each other, by as many threads as there are.
+
+        A piece that has pieces to share runs them by itself.
+        """
+        if self._team is None or len(works) == 1:
+            run_all(works)
         else:
-            self._team.share([piece.launch for piece in slices])
+            self._team.share(works)
 
     def together(self, works: list[Work], leave: Work) -> None:
         """Run a piece of work for each thread, see `Team.together`."""

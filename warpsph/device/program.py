@@ -3,6 +3,7 @@
 import warnings
 
 from warpsph.kernels.spec import Spec
+from warpsph.kernels.team import make_team
 
 from .launch import Command, Launcher
 from .score import Score
@@ -21,7 +22,7 @@ class Program:
 
     def __init__(self, launcher: Launcher, spec: Spec):
         self.captured = True
-        self._launcher, self._spec = launcher, spec
+        self._launcher, self._kernels = launcher, make_team(spec) if launcher.device.is_cpu else None
         self._step: list[Command] = []
         self._plan: list[Command] = []
         self._scores: dict[int, Score] = {}
@@ -56,7 +57,7 @@ class Program:
     def _record(self, commands: list[Command]) -> None:
         """Record launches without running them; a device that cannot is told so once."""
         try:
-            self._scores[id(commands)] = Score(self._launcher, self._spec, commands)
+            self._scores[id(commands)] = Score(self._launcher, self._kernels, commands)
         except RuntimeError as error:
             self.captured = False
             device = self._launcher.device

@@ -5,8 +5,7 @@ import functools
 
 import warp as wp
 
-from warpsph.kernels.spec import Spec
-from warpsph.kernels.team import LEFT, make_team
+from warpsph.kernels.team import LEFT, TeamKernels
 
 from .launch import Command, Launcher
 
@@ -23,13 +22,13 @@ class Score:
     Warp runs a graph on a CPU without holding the interpreter lock.
     """
 
-    def __init__(self, launcher: Launcher, spec: Spec, commands: list[Command]):
+    def __init__(self, launcher: Launcher, kernels: TeamKernels | None, commands: list[Command]):
         """Record the launches without running them.
 
         Raises:
             RuntimeError: The device cannot record.
         """
-        self._launcher, self._kernels, threads = launcher, make_team(spec), launcher.threads
+        self._launcher, self._kernels, threads = launcher, kernels, launcher.threads
         with wp.ScopedDevice(launcher.device):
             self._claims = wp.zeros(sum(len(command.slices) for command in commands), dtype=wp.int32)
             self._meeting = wp.zeros(2, dtype=wp.int64)

@@ -2,7 +2,7 @@
 
 import functools
 import weakref
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from queue import SimpleQueue
 from threading import Thread
 
@@ -16,6 +16,7 @@ class Team:
     def __init__(self, threads: int):
         """Start ``threads`` - 1 helpers; they end with the team."""
         self._jobs: list[SimpleQueue] = [SimpleQueue() for _ in range(threads - 1)]
+        self._busy = False
         for jobs in self._jobs:
             Thread(target=_help, args=(jobs,), daemon=True).start()
         weakref.finalize(self, _dismiss, self._jobs)
@@ -26,13 +27,18 @@ class Team:
         Raises:
             Exception: What a piece raised.
         """
+        if self._busy:  # a piece that is shared itself
+            run_all(pieces)
+            return
         rest, ended, failures = iter(pieces), SimpleQueue(), []
         for jobs in self._jobs:
             jobs.put((rest, ended))
         try:
+            self._busy = True
             failures.append(_work(rest))
         finally:
             failures += [ended.get() for _ in self._jobs]
+            self._busy = False
         for failure in filter(None, failures):
             raise failure
 
@@ -69,6 +75,12 @@ class Team:
             raise failure
 
 
+def run_all(pieces: Iterable[Work]) -> None:
+    """Run pieces one after the other."""
+    for piece in pieces:
+        piece()
+
+
 def _help(jobs: SimpleQueue) -> None:
     while (job := jobs.get()) is not None:
         rest, ended = job
@@ -78,8 +90,7 @@ def _help(jobs: SimpleQueue) -> None:
 def _work(rest: Iterator[Work]) -> Exception | None:
     """Run pieces as long as there are any; gives what went wrong."""
     try:
-        for piece in rest:
-            piece()
+        run_all(rest)
     except Exception as error:
         return error
     return None

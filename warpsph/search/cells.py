@@ -1,5 +1,6 @@
 """The particles in the order of cells of space: what neighbours are looked up in."""
 
+import functools
 import math
 from collections.abc import Sequence
 from types import SimpleNamespace
@@ -8,6 +9,7 @@ import numpy as np
 import warp as wp
 
 from warpsph.device.launch import Launcher
+from warpsph.device.team import Work
 from warpsph.kernels.cells import ALONG, FEWEST, MARGIN, make_cells
 from warpsph.kernels.sort import make_sort
 from warpsph.kernels.spec import Spec
@@ -44,6 +46,11 @@ class CellList:
             self.order = wp.zeros(n, dtype=wp.int32)
             self.cell_start = wp.zeros(int(np.prod(counts)) + 1, dtype=wp.int32)
 
+    @property
+    def work(self) -> list[tuple[type, int]]:
+        """Work space of a sort, as `Block.views` takes it."""
+        return [(wp.int32, 2 * self._n), (wp.int32, 2 * self._n), (wp.int32, self.cell_start.size)]
+
     def build(self, x: wp.array, reach: float, block: Block) -> None:
         """Sort particles for searches up to a distance.
 
@@ -52,21 +59,18 @@ class CellList:
             reach: The distance [m].
             block: Work space.
         """
+        self.prepare(x, reach, block)()
+
+    def prepare(self, x: wp.array, reach: float, block: Block) -> Work:
+        """Give what `build` would do."""
         width = (1.0 + MARGIN) * reach
         self.cell_scale = self._spec.point(ALONG / width, 1.0 / width, 1.0 / width)
-        bound = block.bound((self, reach, x.ptr), lambda: self._bind(x, block))
-        bound.keys()
-        wp.utils.radix_sort_pairs(bound.key, bound.order, self._n, end_bit=self._bits)
-        bound.count.zero_()
-        bound.counts()
-        wp.utils.array_scan(bound.count, self.cell_start, inclusive=False)
-        wp.copy(self.order, bound.order, count=self._n)
-        bound.gather()
+        return functools.partial(self._sort, block.bound((self, reach, x.ptr), lambda: self._bind(x, block)))
 
     def _bind(self, x: wp.array, block: Block) -> SimpleNamespace:
         """Work space, and the launches that use it."""
-        n, i32, bind = self._n, wp.int32, self._launcher.bind
-        key, order, count = block.views((i32, 2 * n), (i32, 2 * n), (i32, self.cell_start.size))
+        n, bind = self._n, self._launcher.bind
+        key, order, count = block.views(*self.work)
         return SimpleNamespace(
             key=key,
             order=order,
@@ -75,6 +79,15 @@ class CellList:
             counts=bind(self._kernels.counts, n, key=key, n=n, cell_count=count),
             gather=bind(self._gather, n, self, source=x, target=self.x_sorted),
         )
+
+    def _sort(self, bound: SimpleNamespace) -> None:
+        bound.keys()
+        wp.utils.radix_sort_pairs(bound.key, bound.order, self._n, end_bit=self._bits)
+        bound.count.zero_()
+        bound.counts()
+        wp.utils.array_scan(bound.count, self.cell_start, inclusive=False)
+        wp.copy(self.order, bound.order, count=self._n)
+        bound.gather()
 
 
 def count_cells(x: np.ndarray, dim: int, reach: float, mirrored: Sequence[int] = ()) -> tuple[int, int, int]:

@@ -116,14 +116,14 @@ class Neighbours:
         p = self._particles
         if self.builds > 0 and not self._searching:
             return False
-        self._sort()
         sorting = self.builds == 0 or (self.builds % SORT_EVERY == 0 and not self._selective)
         if sorting:
+            self._sort()
             self.block.views((p.largest, p.n))  # all fields move, or none if there is no memory for it
             p.reorder(self.cells.order, lambda dtype: self.block.views((dtype, p.n))[0])
-            self._sort()
         self.builds += 1
         if not self._searching:
+            self._sort()
             self.block.release()
             return sorting
         self._list()
@@ -152,14 +152,17 @@ class Neighbours:
         self.tiles.width = width
         if role is not None:
             self.role.assign(role)
-        self._sort()
         self._list(role)
         x.assign(now)
         self.unlisted.assign(arrays["unlisted"])
 
     def _list(self, role: np.ndarray | None = None) -> None:
-        """Tiles and rows of the particles as the cells have them."""
-        self.tiles.build(self, self.block, role)
+        """Cells, tiles and rows of the particles where they are."""
+        block, x = self.block, self._particles.x
+        block.bound(self, lambda: block.views(*self.cells.work, *self.tiles.work))  # room for both at a time
+        cells = self.cells.prepare(x, self.radius, block)
+        tiles = self.tiles.prepare(self, block, role, beside=self.cells.work)
+        self._launcher.share([tiles, cells])
         self._fill(self.radius)
         wp.copy(self.x_listed, self._particles.x)
 

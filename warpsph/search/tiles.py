@@ -1,11 +1,14 @@
 """Tiles of space over the particles, rebuilt with the neighbour rows: they tell when the rows are worn out."""
 
+import functools
+from collections.abc import Sequence
 from types import SimpleNamespace
 
 import numpy as np
 import warp as wp
 
 from warpsph.device.launch import Launcher
+from warpsph.device.team import Work
 from warpsph.kernels.tiles import KEY_BITS, make_tiles
 from warpsph.particles import Particles
 
@@ -80,20 +83,35 @@ class Tiles:
             self.body_last = wp.zeros(told, dtype=wp.int32)
             self.tile_role = wp.zeros(told, dtype=wp.int32)
 
-    def build(self, rows: object, block: Block, role: np.ndarray | None = None) -> None:
-        """Sort the particles into tiles; tiles grow until there are no more than ``most``.
+    @property
+    def work(self) -> list[tuple[type, int]]:
+        """Work space of building them, as `Block.views` takes it."""
+        n, i32 = self._particles.n, wp.int32
+        return [(i32, 2 * n), (i32, 2 * n), (i32, n), (i32, n)]
+
+    def prepare(
+        self, rows: object, block: Block, role: np.ndarray | None, beside: Sequence[tuple[type, int]]
+    ) -> Work:
+        """Give the work of sorting the particles into tiles, which grow until there are no more than ``most``.
 
         Args:
             rows: What knows the symmetry planes (``plane``, ``plane_mask``), the rows' reach (``radius``), and
                 takes the particles' ``role``.
             block: Work space.
             role: The particles' roles, shape [n], where they are known; found if None.
+            beside: Other work space of the block that is in use meanwhile.
         """
-        p, n = self._particles, self._particles.n
+        self._ready(rows, block, beside)
+        return functools.partial(self._build, rows, block, role, beside)
+
+    def _build(
+        self, rows: object, block: Block, role: np.ndarray | None, beside: Sequence[tuple[type, int]]
+    ) -> None:
+        n, bits = self._particles.n, KEY_BITS * self._particles.spec.dim
         while True:
-            bound = block.bound((self, self.width), lambda: self._bind(rows, block))
+            bound = self._ready(rows, block, beside)
             bound.keys()
-            wp.utils.radix_sort_pairs(bound.key, bound.member, n, end_bit=KEY_BITS * p.spec.dim)
+            wp.utils.radix_sort_pairs(bound.key, bound.member, n, end_bit=bits)
             bound.heads()
             wp.utils.array_scan(bound.head, bound.number, inclusive=True)
             bound.starts()
@@ -109,11 +127,15 @@ class Tiles:
             else:
                 self._recall(role)
 
-    def _bind(self, rows: object, block: Block) -> SimpleNamespace:
-        """Work space, and the launches that use it."""
+    def _ready(self, rows: object, block: Block, beside: Sequence[tuple[type, int]]) -> SimpleNamespace:
+        """Work space, and the launches that use it, with tiles as wide as they are now."""
+        return block.bound(
+            (self, self.width), lambda: self._bind(rows, block.views(*beside, *self.work)[-4:])
+        )
+
+    def _bind(self, rows: object, views: Sequence[wp.array]) -> SimpleNamespace:
         p, k, bind, n = self._particles, self._kernels, self._launcher.bind, self._particles.n
-        i32 = wp.int32
-        key, member, head, number = block.views((i32, 2 * n), (i32, 2 * n), (i32, n), (i32, n))
+        key, member, head, number = views
         bound = SimpleNamespace(key=key, member=member, head=head, number=number)
         bound.keys = bind(k.keys, n, p, width=self.width, key=key, member=member)
         bound.heads = bind(k.heads, n, key=key, head=head)
