@@ -115,10 +115,7 @@ class Launcher:
         self.share(pieces) if worth else run_all(pieces)
 
     def share(self, works: list[Work]) -> None:
-        """Run pieces of work that do not depend on each other, by as many threads as there are.
-
-        A piece that has pieces to share runs them by itself.
-        """
+        """Run pieces of work that do not depend on each other, by as many threads as there are; none shares its own."""
         if self._team is None or len(works) == 1:
             run_all(works)
         else:

@@ -5,9 +5,11 @@ import functools
 
 import warp as wp
 
-from warpsph.kernels.team import LEFT, TeamKernels
+from warpsph.kernels.spec import Spec
+from warpsph.kernels.team import LEFT, TeamKernels, make_team
 
 from .launch import Command, Launcher
+from .team import Work
 
 LINE = 16
 """Words of four bytes that a thread has for itself, so that no other's writing takes them out of its cache."""
@@ -94,6 +96,29 @@ class Score:
 
     def _launch(self, kernel: wp.Kernel, *args: object) -> None:
         wp.launch(kernel, 1, args, device=self._launcher.device)
+
+
+def recorded(device: wp.Device, work: Work) -> Work:
+    """Give work that consists of launches and copies as one call of C, on a CPU that can record; else as it is."""
+    if device.is_cuda:
+        return work
+    try:
+        with wp.ScopedCapture(device) as capture:
+            work()
+    except RuntimeError:
+        return work
+    return functools.partial(wp.capture_launch, capture.graph)
+
+
+def written_out(launcher: Launcher, spec: Spec, command: Command) -> Work:
+    """Give a launch as a `Score` of its own, on a CPU that can record; else as it is."""
+    if launcher.device.is_cuda:
+        return command
+    try:
+        score = Score(launcher, make_team(spec), [command])
+    except RuntimeError:
+        return command
+    return functools.partial(score.play, 1)
 
 
 @functools.cache

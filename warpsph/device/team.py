@@ -16,7 +16,6 @@ class Team:
     def __init__(self, threads: int):
         """Start ``threads`` - 1 helpers; they end with the team."""
         self._jobs: list[SimpleQueue] = [SimpleQueue() for _ in range(threads - 1)]
-        self._busy = False
         for jobs in self._jobs:
             Thread(target=_help, args=(jobs,), daemon=True).start()
         weakref.finalize(self, _dismiss, self._jobs)
@@ -27,18 +26,13 @@ class Team:
         Raises:
             Exception: What a piece raised.
         """
-        if self._busy:  # a piece that is shared itself
-            run_all(pieces)
-            return
         rest, ended, failures = iter(pieces), SimpleQueue(), []
         for jobs in self._jobs:
             jobs.put((rest, ended))
         try:
-            self._busy = True
             failures.append(_work(rest))
         finally:
             failures += [ended.get() for _ in self._jobs]
-            self._busy = False
         for failure in filter(None, failures):
             raise failure
 

@@ -1,14 +1,13 @@
 """The particles in the order of cells of space: what neighbours are looked up in."""
 
-import functools
 import math
 from collections.abc import Sequence
-from types import SimpleNamespace
 
 import numpy as np
 import warp as wp
 
 from warpsph.device.launch import Launcher
+from warpsph.device.score import recorded
 from warpsph.device.team import Work
 from warpsph.kernels.cells import ALONG, FEWEST, MARGIN, make_cells
 from warpsph.kernels.sort import make_sort
@@ -27,6 +26,7 @@ class CellList:
     """Particles sorted by cells, see `kernels.cells`.
 
     Attributes:
+        spec: Specialisation.
         period: Cells along x, y and z before their numbers repeat.
         cell_scale: Cells per length along the axes [1/m].
         order: Particle indices cell by cell, shape [n].
@@ -38,7 +38,7 @@ class CellList:
         self, n: int, spec: Spec, counts: tuple[int, int, int], x_sorted: wp.array, launcher: Launcher
     ):
         """Allocate for n particles; ``counts``: cells along x, y and z, see `count_cells`; ``x_sorted``: room for that."""
-        self._n, self._spec, self._launcher = n, spec, launcher
+        self._n, self.spec, self._launcher = n, spec, launcher
         self._kernels, self._gather = make_cells(spec), make_sort(spec)[spec.point]
         self.period, self.cell_scale, self.x_sorted = wp.vec3i(*counts), spec.point(), x_sorted
         self._bits = max(int(np.prod(counts)) - 1, 1).bit_length()
@@ -64,30 +64,26 @@ class CellList:
     def prepare(self, x: wp.array, reach: float, block: Block) -> Work:
         """Give what `build` would do."""
         width = (1.0 + MARGIN) * reach
-        self.cell_scale = self._spec.point(ALONG / width, 1.0 / width, 1.0 / width)
-        return functools.partial(self._sort, block.bound((self, reach, x.ptr), lambda: self._bind(x, block)))
+        self.cell_scale = self.spec.point(ALONG / width, 1.0 / width, 1.0 / width)
+        return block.bound((self, reach, x.ptr), lambda: self._bind(x, block))
 
-    def _bind(self, x: wp.array, block: Block) -> SimpleNamespace:
-        """Work space, and the launches that use it."""
+    def _bind(self, x: wp.array, block: Block) -> Work:
         n, bind = self._n, self._launcher.bind
         key, order, count = block.views(*self.work)
-        return SimpleNamespace(
-            key=key,
-            order=order,
-            count=count,
-            keys=bind(self._kernels.keys, n, self, x=x, key=key, order=order),
-            counts=bind(self._kernels.counts, n, key=key, n=n, cell_count=count),
-            gather=bind(self._gather, n, self, source=x, target=self.x_sorted),
-        )
+        keys = bind(self._kernels.keys, n, self, x=x, key=key, order=order)
+        counts = bind(self._kernels.counts, n, key=key, n=n, cell_count=count)
+        gather = bind(self._gather, n, self, source=x, target=self.x_sorted)
 
-    def _sort(self, bound: SimpleNamespace) -> None:
-        bound.keys()
-        wp.utils.radix_sort_pairs(bound.key, bound.order, self._n, end_bit=self._bits)
-        bound.count.zero_()
-        bound.counts()
-        wp.utils.array_scan(bound.count, self.cell_start, inclusive=False)
-        wp.copy(self.order, bound.order, count=self._n)
-        bound.gather()
+        def sort() -> None:
+            keys()
+            wp.utils.radix_sort_pairs(key, order, n, end_bit=self._bits)
+            count.zero_()
+            counts()
+            wp.utils.array_scan(count, self.cell_start, inclusive=False)
+            wp.copy(self.order, order, count=n)
+            gather()
+
+        return recorded(self._launcher.device, sort)
 
 
 def count_cells(x: np.ndarray, dim: int, reach: float, mirrored: Sequence[int] = ()) -> tuple[int, int, int]:

@@ -160,9 +160,9 @@ class Neighbours:
         """Cells, tiles and rows of the particles where they are."""
         block, x = self.block, self._particles.x
         block.bound(self, lambda: block.views(*self.cells.work, *self.tiles.work))  # room for both at a time
-        cells = self.cells.prepare(x, self.radius, block)
-        tiles = self.tiles.prepare(self, block, role, beside=self.cells.work)
-        self._launcher.share([tiles, cells])
+        rest = (self, block, self.cells.work)
+        self._launcher.share([self.tiles.prepare(*rest), self.cells.prepare(x, self.radius, block)])
+        self.tiles.finish(*rest, role)
         self._fill(self.radius)
         wp.copy(self.x_listed, self._particles.x)
 

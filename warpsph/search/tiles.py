@@ -2,12 +2,12 @@
 
 import functools
 from collections.abc import Sequence
-from types import SimpleNamespace
 
 import numpy as np
 import warp as wp
 
 from warpsph.device.launch import Launcher
+from warpsph.device.score import recorded
 from warpsph.device.team import Work
 from warpsph.kernels.tiles import KEY_BITS, make_tiles
 from warpsph.particles import Particles
@@ -89,62 +89,57 @@ class Tiles:
         n, i32 = self._particles.n, wp.int32
         return [(i32, 2 * n), (i32, 2 * n), (i32, n), (i32, n)]
 
-    def prepare(
-        self, rows: object, block: Block, role: np.ndarray | None, beside: Sequence[tuple[type, int]]
-    ) -> Work:
-        """Give the work of sorting the particles into tiles, which grow until there are no more than ``most``.
+    def prepare(self, rows: object, block: Block, beside: Sequence[tuple[type, int]]) -> Work:
+        """Give the work of sorting the particles into tiles of the present width; `finish` has to follow.
 
         Args:
-            rows: What knows the symmetry planes (``plane``, ``plane_mask``), the rows' reach (``radius``), and
+            rows: What knows the symmetry planes (``plane``, ``plane_mask``) and the rows' reach (``radius``), and
                 takes the particles' ``role``.
             block: Work space.
-            role: The particles' roles, shape [n], where they are known; found if None.
             beside: Other work space of the block that is in use meanwhile.
         """
-        self._ready(rows, block, beside)
-        return functools.partial(self._build, rows, block, role, beside)
+        views = functools.partial(block.views, *beside, *self.work)
+        return block.bound((self, self.width), lambda: self._bind(rows, *views()[-len(self.work) :]))
 
-    def _build(
-        self, rows: object, block: Block, role: np.ndarray | None, beside: Sequence[tuple[type, int]]
-    ) -> None:
-        n, bits = self._particles.n, KEY_BITS * self._particles.spec.dim
-        while True:
-            bound = self._ready(rows, block, beside)
-            bound.keys()
-            wp.utils.radix_sort_pairs(bound.key, bound.member, n, end_bit=bits)
-            bound.heads()
-            wp.utils.array_scan(bound.head, bound.number, inclusive=True)
-            bound.starts()
-            if int(self.n_tiles.numpy()[0]) <= self.most:
-                break
-            self.width *= 1.5
-        wp.copy(self.member, bound.member, count=n)
-        bound.boxes()
-        if self._selective:
-            bound.contents()
-            if role is None:
-                bound.roles()
-            else:
-                self._recall(role)
-
-    def _ready(self, rows: object, block: Block, beside: Sequence[tuple[type, int]]) -> SimpleNamespace:
-        """Work space, and the launches that use it, with tiles as wide as they are now."""
-        return block.bound(
-            (self, self.width), lambda: self._bind(rows, block.views(*beside, *self.work)[-4:])
-        )
-
-    def _bind(self, rows: object, views: Sequence[wp.array]) -> SimpleNamespace:
+    def _bind(self, rows: object, key: wp.array, member: wp.array, head: wp.array, number: wp.array) -> Work:
         p, k, bind, n = self._particles, self._kernels, self._launcher.bind, self._particles.n
-        key, member, head, number = views
-        bound = SimpleNamespace(key=key, member=member, head=head, number=number)
-        bound.keys = bind(k.keys, n, p, width=self.width, key=key, member=member)
-        bound.heads = bind(k.heads, n, key=key, head=head)
-        bound.starts = bind(k.starts, n, self, head=head, number=number, n=n)
-        bound.boxes = bind(k.boxes, self.most, self, p, rows)
+        keys = bind(k.keys, n, p, width=self.width, key=key, member=member)
+        heads = bind(k.heads, n, key=key, head=head)
+        starts = bind(k.starts, n, self, head=head, number=number, n=n)
+        looks = [bind(k.boxes, self.most, self, p, rows)]
         if self._selective:
-            bound.contents = bind(k.contents, self.most, self, p)
-            bound.roles = bind(k.roles, self.most, self, p, rows)
-        return bound
+            looks.append(bind(k.contents, self.most, self, p))
+
+        def sort() -> None:
+            keys()
+            wp.utils.radix_sort_pairs(key, member, n, end_bit=KEY_BITS * p.spec.dim)
+            heads()
+            wp.utils.array_scan(head, number, inclusive=True)
+            starts()
+            wp.copy(self.member, member, count=n)
+            for look in looks:
+                look()
+
+        return recorded(self._launcher.device, sort)
+
+    def finish(
+        self, rows: object, block: Block, beside: Sequence[tuple[type, int]], role: np.ndarray | None
+    ) -> None:
+        """Let tiles grow until there are no more than ``most``, and give particles their roles.
+
+        Args:
+            rows: As in `prepare`, as are the next two.
+            block: Work space.
+            beside: Other work space.
+            role: The particles' roles, shape [n], where they are known; found if None.
+        """
+        while int(self.n_tiles.numpy()[0]) > self.most:
+            self.width *= 1.5
+            self.prepare(rows, block, beside)()
+        if role is not None:
+            self._recall(role)
+        elif self._selective:
+            self._launcher.launch(self._kernels.roles, self.most, self, self._particles, rows)
 
     def _recall(self, role: np.ndarray) -> None:
         """Tell the tiles' roles from those of their particles."""
