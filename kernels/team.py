@@ -13,8 +13,8 @@ from .spec import Spec
 PATIENCE = 1000
 """Looks at the others before a waiting thread lets the system run something else on its core: some 50 microseconds."""
 
-MET, LEFT = 0, 1
-"""Entries of ``meeting``: how often a thread has come to a meeting; not 0: somebody will not come any more."""
+MET, LEFT = range(2)
+"""Entries of ``meeting``: how often a thread has come; not 0: somebody will not come any more."""
 
 
 class TeamKernels(NamedTuple):
@@ -44,11 +44,11 @@ def make_team(s: Spec) -> TeamKernels:
     @wp.func_native(
         """
         #ifndef __CUDA_ARCH__
-        long long met = __atomic_fetch_add(&meeting.data[0], 1, __ATOMIC_ACQ_REL);
+        const long long met = __atomic_fetch_add(&meeting.data[0], 1, __ATOMIC_ACQ_REL);
         const long long all = met - met % threads + threads;
         for (int looks = 0; __atomic_load_n(&meeting.data[0], __ATOMIC_ACQUIRE) < all; ++looks) {
             if (__atomic_load_n(&meeting.data[1], __ATOMIC_RELAXED))
-                break;
+                return 1;
             if (looks > patience)
                 reinterpret_cast<wp::int32 (*)()>(give_way)();
             #ifdef __x86_64__
@@ -57,9 +57,12 @@ def make_team(s: Spec) -> TeamKernels:
             #endif
         }
         #endif
+        return 0;
         """
     )
-    def wait(meeting: wp.array[wp.int64], threads: wp.int32, patience: wp.int32, give_way: wp.uint64): ...
+    def missed(
+        meeting: wp.array[wp.int64], threads: wp.int32, patience: wp.int32, give_way: wp.uint64
+    ) -> wp.int32: ...
 
     @wp.kernel(module=module)
     def claim(
@@ -80,20 +83,25 @@ def make_team(s: Spec) -> TeamKernels:
         give_way: wp.uint64,
         # out:
         meeting: wp.array[wp.int64],
+        alone: wp.array[wp.int32],
     ):
-        """Go on when all ``threads`` have come so far, or one has left; ``give_way``: address of a C function."""
-        wait(meeting, threads, wp.static(PATIENCE), give_way)
+        """Wait until all ``threads`` have come so far: alone = 0; or until one has left: 1 [-].
+
+        ``give_way``: address of a function of C that lets another program run on this core.
+        """
+        i = wp.tid() + offset
+        alone[i] = missed(meeting, threads, wp.static(PATIENCE), give_way)
 
     @wp.kernel(module=module)
     def countdown(
         offset: wp.int32,
         # in:
-        meeting: wp.array[wp.int64],
+        alone: wp.array[wp.int32],
         # out:
         rest: wp.array[wp.int32],
     ):
-        """Repetitions that a thread has before it [-]: one fewer, or none if somebody has left."""
+        """Repetitions that a thread has before it [-]: one fewer, or none once it is alone."""
         i = wp.tid() + offset
-        rest[i] = wp.where(meeting[LEFT] == wp.int64(0), rest[i] - 1, 0)
+        rest[i] = wp.where(alone[i] == 0, rest[i] - 1, 0)
 
     return TeamKernels(claim, meet, countdown)

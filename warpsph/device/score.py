@@ -14,6 +14,10 @@ from .team import Work
 LINE = 16
 """Words of four bytes that a thread has for itself, so that no other's writing takes them out of its cache."""
 
+MINE, ALONE, REST = range(3)
+"""What that is: whether the slice that was claimed last is its own, whether another thread has left, and how often it has to
+run its part yet."""
+
 
 class Score:
     """Launches that are replayed in order, as often as one likes.
@@ -34,8 +38,7 @@ class Score:
         with wp.ScopedDevice(launcher.device):
             self._claims = wp.zeros(sum(len(command.slices) for command in commands), dtype=wp.int32)
             self._meeting = wp.zeros(2, dtype=wp.int64)
-            self._mine = wp.zeros((threads, LINE), dtype=wp.int32)
-            self._rest = wp.zeros((threads, LINE), dtype=wp.int32)
+            self._own = wp.zeros((threads, 3, LINE), dtype=wp.int32)
         self._parts = [self._record(commands, member) for member in range(threads)]
 
     def play(self, count: int) -> None:
@@ -44,9 +47,9 @@ class Score:
             for _ in range(count):
                 wp.capture_launch(self._parts[0])
             return
-        self._claims.zero_()
-        self._meeting.zero_()
-        self._rest.fill_(count)
+        for shared in (self._claims, self._meeting, self._own):
+            shared.numpy()[:] = 0
+        self._own.numpy()[:, REST] = count
         self._launcher.together(
             [functools.partial(wp.capture_launch, part) for part in self._parts], self._leave
         )
@@ -59,25 +62,26 @@ class Score:
         """Write out one thread's part; on a CPU its repetitions too."""
         with wp.ScopedCapture(self._launcher.device) as capture:
             if self._launcher.device.is_cpu:
-                rest = self._rest[member]
-                wp.capture_while(rest, functools.partial(self._record_once, commands, member, rest))
+                step = functools.partial(self._record_once, commands, member)
+                wp.capture_while(self._own[member, REST], step)
             else:
                 for command in commands:
                     command()
         return capture.graph
 
-    def _record_once(self, commands: list[Command], member: int, rest: wp.array) -> None:
+    def _record_once(self, commands: list[Command], member: int) -> None:
         threads, first = self._launcher.threads, 0
+        mine, alone, rest = (self._own[member, entry] for entry in (MINE, ALONE, REST))
         for command in commands:
             for k, shared in self._shares(len(command.slices), member):
                 if shared:
-                    self._claimed(command.slices[k], first + k, self._mine[member])
+                    self._claimed(command.slices[k], first + k, mine)
                 else:
                     command.slices[k].launch()
             if threads > 1:
-                self._launch(self._kernels.meet, 0, threads, _give_way(), self._meeting)
+                self._launch(self._kernels.meet, 0, threads, _give_way(), self._meeting, alone)
             first += len(command.slices)
-        self._launch(self._kernels.countdown, 0, self._meeting, rest)
+        self._launch(self._kernels.countdown, 0, alone, rest)
 
     def _shares(self, count: int, member: int) -> list[tuple[int, bool]]:
         """Slices that a thread runs, and whether its neighbour may come first; of those of its neighbour the last ones first."""
