@@ -46,7 +46,7 @@ def make_team(s: Spec) -> TeamKernels:
         #ifndef __CUDA_ARCH__
         const long long met = __atomic_fetch_add(&meeting.data[0], 1, __ATOMIC_ACQ_REL);
         const long long all = met - met % threads + threads;
-        for (int looks = 0; __atomic_load_n(&meeting.data[0], __ATOMIC_ACQUIRE) < all; ++looks) {
+        for (long long looks = 0; __atomic_load_n(&meeting.data[0], __ATOMIC_ACQUIRE) < all; ++looks) {
             if (__atomic_load_n(&meeting.data[1], __ATOMIC_RELAXED))
                 return 1;
             if (looks > patience)

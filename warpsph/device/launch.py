@@ -15,7 +15,7 @@ from .team import Team, Work, run_all
 SLICES_PER_THREAD = 4
 """A CPU launch is cut into this many slices per thread, taken as they come: uneven rows balance out."""
 
-SMALLEST_SLICE = 512
+SMALLEST_SLICE = 128
 """Particles below which a launch of a kernel with much to do for each is not cut further."""
 
 SMALLEST_LIGHT_SLICE = 1024

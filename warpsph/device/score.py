@@ -99,6 +99,7 @@ class Score:
         wp.capture_if(mine, piece.launch)
 
     def _launch(self, kernel: wp.Kernel, *args: object) -> None:
+        """Record one thread of a kernel of the team; the first argument is its place."""
         wp.launch(kernel, 1, args, device=self._launcher.device)
 
 
