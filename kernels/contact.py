@@ -6,6 +6,7 @@ from typing import NamedTuple
 import warp as wp
 
 from .kernel_type import ERODED
+from .lanes import make_lanes, make_reads
 from .mirror import make_mirror
 from .parts import CONTACT, Parts, part_types, tag
 from .smoothing import Smoothing
@@ -19,6 +20,7 @@ CENTRE = 1e-3
 class ContactKernels(NamedTuple):
     """Kernels of this file."""
 
+    strangers: wp.Kernel
     contact: wp.Kernel
 
 
@@ -40,6 +42,32 @@ def make_contact(s: Spec, smoothing: Smoothing, planes: bool, parts: Parts = (CO
     zero, half, three, four = real(0.0), real(0.5), real(3.0), real(4.0)
     centre, dim = real(CENTRE), s.dim
 
+    read, row_end = make_reads(s), make_lanes(s).row_end
+
+    @wp.kernel(
+        module=s.module(__name__, "_".join(filter(None, ("strangers", "planes" * planes))), lanes=True)
+    )
+    def strangers(
+        offset: wp.int32,
+        # in:
+        body: wp.array[wp.int32],
+        start: wp.array[wp.int32],
+        n_neigh: wp.array[wp.int32],
+        neigh: wp.array[wp.int32],
+        # out:
+        n_strangers: wp.array[wp.int32],
+    ):
+        """n_strangers = entries of the row that are of another body, beyond the support too."""
+        i = wp.tid() + offset
+        first = start[i]
+        last = row_end(first, n_neigh[i])
+        found = wp.int32(0)
+        k = wp.int32(first)
+        while k < last:
+            found += wp.where(read.integer(body, mirror.index(read.integer(neigh, k))) != body[i], 1, 0)
+            k += 1
+        n_strangers[i] = found
+
     @wp.kernel(
         module=s.module(__name__, "_".join(filter(None, (smoothing.name, "planes" * planes, tag(parts)))))
     )
@@ -59,6 +87,7 @@ def make_contact(s: Spec, smoothing: Smoothing, planes: bool, parts: Parts = (CO
         spacing: real,
         plane: point,
         dt: wp.array[real],
+        n_strangers: wp.array[wp.int32],
         start: wp.array[wp.int32],
         n_neigh: wp.array[wp.int32],
         neigh: wp.array[wp.int32],
@@ -78,6 +107,9 @@ def make_contact(s: Spec, smoothing: Smoothing, planes: bool, parts: Parts = (CO
         """
         i = wp.tid() + offset
         if dt[0] == zero:
+            return
+        if n_strangers[i] == 0:
+            contact_rate[i] = zero
             return
         xi, vi, body_i, vol_i, modulus_i = x[i], v[i], body[i], vol[i], contact_modulus[mat[i]]
         r_max2 = support * support * h * h
@@ -126,4 +158,4 @@ def make_contact(s: Spec, smoothing: Smoothing, planes: bool, parts: Parts = (CO
             part_power[i] = powers
             cover[i] = wp.max(cover[i], share)
 
-    return ContactKernels(contact)
+    return ContactKernels(strangers, contact)

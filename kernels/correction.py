@@ -8,6 +8,7 @@ import functools
 
 import warp as wp
 
+from .company import ALONE
 from .coupling import make_counts
 from .lanes import make_lanes, make_reads
 from .mirror import make_mirror
@@ -26,7 +27,12 @@ make up for it take many times their energy from its particles, until a tension 
 
 @functools.cache
 def make_correction(
-    s: Spec, smoothing: Smoothing, planes: bool, separate: bool = False, coupled: bool = False
+    s: Spec,
+    smoothing: Smoothing,
+    planes: bool,
+    separate: bool = False,
+    coupled: bool = False,
+    erosion: bool = False,
 ) -> wp.Kernel:
     """Build the kernel that computes K and G.
 
@@ -35,7 +41,8 @@ def make_correction(
         smoothing: Smoothing kernel.
         planes: Neighbour entries may be mirror images.
         separate: Neighbours of another body do not count.
-        coupled: There are Lagrangian particles: eroded ones do not count.
+        coupled: There are Lagrangian particles: those that are alone need no correction, see `kernels.company`.
+        erosion: Eroded neighbours do not count.
     """
     real, vec, mat, point, dim = s.real, s.vec, s.mat, s.point, s.dim
     mirror, tensor = make_mirror(s, planes), make_tensor(s)
@@ -43,8 +50,9 @@ def make_correction(
     read = make_reads(s)
     lanes = make_lanes(s)
     worth, row_end = lanes.worth, lanes.row_end
-    bound, counts, zero = real(CONDITION), make_counts(separate, coupled), real(0.0)
-    options = (smoothing.name, "planes" * planes, "separate" * separate, "coupled" * coupled)
+    bound, counts, zero = real(CONDITION), make_counts(separate, erosion), real(0.0)
+    options = (smoothing.name, "planes" * planes, "separate" * separate)
+    options += ("coupled" * coupled, "erosion" * erosion)
 
     @wp.func
     def inverse_or_identity(M: mat, neighbours: wp.int32):
@@ -69,6 +77,7 @@ def make_correction(
         vol: wp.array[real],
         body: wp.array[wp.int32],
         kernel_type: wp.array[wp.int32],
+        company: wp.array[wp.int32],
         h: real,
         plane: point,
         dt: wp.array[real],
@@ -83,6 +92,9 @@ def make_correction(
         i = wp.tid() + offset
         if dt[0] == real(0.0):
             return
+        if wp.static(coupled):
+            if company[i] == wp.static(ALONE):
+                return
         first = start[i]
         last = row_end(first, n_neigh[i])
         xi = read.point(x, i)
@@ -90,6 +102,9 @@ def make_correction(
         shepard = vol[i] * w(real(0.0), h)
         # scalars, not vectors or matrices: the compiler keeps them in registers
         G_x, G_y, G_z = real(0.0), real(0.0), real(0.0)
+        b_x, b_y, b_z = real(0.0), real(0.0), real(0.0)
+        xx, yy, zz = real(0.0), real(0.0), real(0.0)
+        xy, yz, xz = real(0.0), real(0.0), real(0.0)
         neighbours = wp.int32(0)
         k = wp.int32(first)
         while k < last:
@@ -103,43 +118,29 @@ def make_correction(
             )
             if worth(near):
                 r, V_j = wp.sqrt(r2), wp.where(near, real(read.real(vol, j)), zero)
-                shepard += V_j * w(r, h)
-                slope = V_j * dw_r(r, h)
-                G_x += slope * xij[0]
-                G_y += slope * xij[1]
-                G_z += slope * xij[2]
+                weight = V_j * w(r, h)
+                slope = V_j * dw_r(r, h) * xij
+                shepard += weight
+                G_x += slope[0]
+                b_x += weight * xij[0]
+                xx += slope[0] * xij[0]
+                if wp.static(dim > 1):
+                    G_y += slope[1]
+                    b_y += weight * xij[1]
+                    xy += slope[0] * xij[1]
+                    yy += slope[1] * xij[1]
+                if wp.static(dim > 2):
+                    G_z += slope[2]
+                    b_z += weight * xij[2]
+                    yz += slope[1] * xij[2]
+                    xz += slope[0] * xij[2]
+                    zz += slope[2] * xij[2]
                 neighbours += wp.where(near, 1, 0)
             k += 1
         log_G = vec(G_x, G_y, G_z) / shepard
-        xx, xy, xz = real(0.0), real(0.0), real(0.0)
-        yx, yy, yz = real(0.0), real(0.0), real(0.0)
-        zx, zy, zz = real(0.0), real(0.0), real(0.0)
-        k = wp.int32(first)
-        while k < last:
-            j = mirror.index(read.integer(neigh, k))
-            xij = mirror.apart(xi, read.point(x, j), mirror.sign(read.integer(neigh, k)), plane)
-            r2 = tensor.dot(xij, xij)
-            near = (
-                r2 < r_max2
-                and read.integer(neigh, k) != i
-                and counts(body[i], read.integer(body, j), read.integer(kernel_type, j))
-            )
-            if worth(near):
-                r, V_j = wp.sqrt(r2), wp.where(near, real(read.real(vol, j)), zero)
-                u = V_j * (dw_r(r, h) * xij - w(r, h) * log_G)
-                xx -= u[0] * xij[0]
-                if wp.static(dim > 1):
-                    xy -= u[0] * xij[1]
-                    yx -= u[1] * xij[0]
-                    yy -= u[1] * xij[1]
-                if wp.static(dim > 2):
-                    xz -= u[0] * xij[2]
-                    yz -= u[1] * xij[2]
-                    zx -= u[2] * xij[0]
-                    zy -= u[2] * xij[1]
-                    zz -= u[2] * xij[2]
-            k += 1
-        M = (real(1.0) / shepard) * mat(xx, xy, xz, yx, yy, yz, zx, zy, zz)
+        # Σ V (∇W - W G) ⊗ (x_b - x_a), in one loop: G is the same for all b
+        M = wp.outer(log_G, vec(b_x, b_y, b_z)) - mat(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+        M = (real(1.0) / shepard) * M
         inverse, ok = inverse_or_identity(M, neighbours)
         if ok:
             K[i] = inverse / shepard

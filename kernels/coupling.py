@@ -50,19 +50,19 @@ PURE = Coupling()
 
 
 @functools.cache
-def make_counts(separate: bool, coupled: bool) -> wp.Function:
+def make_counts(separate: bool, erosion: bool = False) -> wp.Function:
     """Build counts(body_i, body_j, type_j): whether a neighbour counts in sums over i's surroundings.
 
     Args:
         separate: Those of another body do not.
-        coupled: There are Lagrangian particles: eroded ones do not.
+        erosion: Eroded ones do not.
     """
 
     @wp.func
     def counts(body_i: wp.int32, body_j: wp.int32, type_j: wp.int32):
         if wp.static(separate) and body_i != body_j:
             return False
-        if wp.static(coupled) and type_j == ERODED:
+        if wp.static(erosion) and type_j == ERODED:
             return False
         return True
 

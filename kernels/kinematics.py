@@ -31,7 +31,7 @@ def make_kinematics(
         corrected: Mixed correction of the gradients.
         planes: Neighbour entries may be mirror images.
         separate: Neighbours of another body do not count.
-        coupled: There are Lagrangian particles: their gradient is not found here, and eroded ones do not count.
+        coupled: There are Lagrangian particles: their gradient is not found here.
     """
     real, vec, mat, point = s.real, s.vec, s.mat, s.point
     mirror, tensor, of_pair = make_mirror(s, planes), make_tensor(s), make_gradient(s, corrected)
@@ -39,7 +39,7 @@ def make_kinematics(
     read = make_reads(s)
     lanes = make_lanes(s)
     worth, row_end = lanes.worth, lanes.row_end
-    dim, counts = s.dim, make_counts(separate, coupled)
+    dim, counts = s.dim, make_counts(separate)
     options = (
         smoothing.name,
         "corrected" * corrected,
@@ -93,7 +93,7 @@ def make_kinematics(
             xij = mirror.apart(xi, read.point(x, j), sign, plane)
             r2 = tensor.dot(xij, xij)
             near = r2 < r_max2 and read.integer(neigh, k) != i
-            if wp.static(separate or coupled):
+            if wp.static(separate):
                 near = near and counts(body[i], read.integer(body, j), read.integer(kernel_type, j))
             if worth(near):
                 r = wp.sqrt(r2)

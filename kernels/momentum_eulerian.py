@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import warp as wp
 
+from .company import ALONE, ANY, PLAIN
 from .correction import make_gradient
 from .coupling import ALL, ARTIFICIAL_STRESS, FORCE, PURE, Coupling, make_coupling
 from .lanes import make_lanes, make_reads
@@ -28,6 +29,7 @@ class PairTerms:
         planes: Neighbour entries may be mirror images.
         coupling: What pairs of two kernel types, or of two bodies, share.
         parts: Parts of the forces that the run keeps apart.
+        company: `PLAIN`: for particles of this company; `MIXED`: for all others; see `kernels.company`.
     """
 
     corrected: bool
@@ -36,11 +38,13 @@ class PairTerms:
     planes: bool
     coupling: Coupling = PURE
     parts: Parts = (VISCOUS,)
+    company: int = ANY
 
     @property
     def tag(self) -> str:
         """Short name of the combination."""
         flags = [name for name, on in vars(self).items() if on is True]
+        flags.append("plain" * (self.company == PLAIN))
         return "_".join(filter(None, [*flags, self.coupling.tag, tag_of(self.parts)]))
 
 
@@ -76,6 +80,7 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         sig: wp.array[s.sym],
         body: wp.array[wp.int32],
         kernel_type: wp.array[wp.int32],
+        company: wp.array[wp.int32],
         av_switch: wp.array[real],
         R: wp.array[s.sym],
         K: wp.array[mat],
@@ -105,8 +110,13 @@ def make_momentum(s: Spec, smoothing: Smoothing, terms: PairTerms) -> wp.Kernel:
         i = wp.tid() + offset
         if dt[0] == real(0.0):
             return
+        count = wp.int32(n_neigh[i])
+        if wp.static(terms.company != ANY):
+            if (company[i] == wp.static(PLAIN)) != wp.static(terms.company == PLAIN):
+                return
+            count = wp.where(company[i] == wp.static(ALONE), 0, count)
         first = start[i]
-        last = row_end(first, n_neigh[i])
+        last = row_end(first, count)
         own = i * on  # K and G are one long where there is no correction
         xi, vi, sig_i = read.point(x, i), read.vec(v, i), sig[i]
         m_i, rho_i, cs_i, vol_i = m[i], rho[i], cs[i], vol[i]

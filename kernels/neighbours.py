@@ -17,11 +17,12 @@ class NeighbourKernels(NamedTuple):
 
     fill: wp.Kernel
     reserve: wp.Kernel
+    expect: wp.Kernel
 
 
 @functools.cache
 def make_neighbours(
-    s: Spec, planes: bool, same_body: bool = False, selective: bool = False
+    s: Spec, planes: bool, same_body: bool = False, selective: bool = False, erosion: bool = False
 ) -> NeighbourKernels:
     """Build the search.
 
@@ -29,19 +30,20 @@ def make_neighbours(
         s: Specialisation.
         planes: There are symmetry planes, whose mirror images count.
         same_body: Particles of another body are no neighbours.
-        selective: Only particles of a role have a row, and those of a negative one are nobody's neighbours.
+        selective: Only particles of a role have a row.
+        erosion: Particles of a negative role are nobody's neighbours.
     """
     real, vec, place, point = s.real, s.vec, s.place, s.point
     mirror, dot = make_mirror(s, planes), make_tensor(s).dot
     coordinates, beyond, number, runs = make_cells(s)[2:]
-    options = ("planes" * planes, "same_body" * same_body, "selective" * selective)
+    options = ("planes" * planes, "same_body" * same_body, "selective" * selective, "erosion" * erosion)
     module = s.module(__name__, "_".join(filter(None, options)))
 
     @wp.func
     def fits(body_i: wp.int32, body_j: wp.int32, role_j: wp.int32):
         if wp.static(same_body) and body_i != body_j:
             return False
-        if wp.static(selective) and role_j < 0:
+        if wp.static(erosion) and role_j < 0:
             return False
         return True
 
@@ -120,7 +122,7 @@ def make_neighbours(
                                 neigh[at] = j | (mask << INDEX_BITS)
                             xij = vec(xi - x_sorted[k])
                             near = dot(xij, xij) < radius * radius and (j != i or mask > 0)
-                            if wp.static(same_body or selective):
+                            if wp.static(same_body or erosion):
                                 near = near and fits(body[i], body[j], role[j])
                             at += wp.where(near, 1, 0)
                             k += 1
@@ -150,4 +152,22 @@ def make_neighbours(
         i = wp.tid() + offset
         room[i] = row_end(0, n_neigh[i] + n_neigh[i] / divisor + spare)
 
-    return NeighbourKernels(fill, reserve)
+    @wp.kernel(module=module)
+    def expect(
+        offset: wp.int32,
+        # in:
+        role: wp.array[wp.int32],
+        start: wp.array[wp.int32],
+        typical: wp.int32,
+        # out:
+        n_neigh: wp.array[wp.int32],
+        overflow: wp.array[wp.int32],
+    ):
+        """Count ``typical`` neighbours for particles that had no row and need one now, and report a lack of room before the search."""
+        i = wp.tid() + offset
+        if role[i] > 0 and n_neigh[i] == 0:
+            n_neigh[i] = typical
+            if start[i + 1] - start[i] <= typical:
+                overflow[0] = 1
+
+    return NeighbourKernels(fill, reserve, expect)

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import warp as wp
 
 from .kernel_type import ERODED, EULERIAN
+from .lanes import make_lanes, make_reads
 from .spec import Spec
 
 KEY_BITS = 10
@@ -37,6 +38,11 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
     """Build the kernels for one specialisation; ``selective``: there are Lagrangian particles."""
     real, vec, place, point = s.real, s.vec, s.place, s.point
     module = s.module(__name__, "selective" * selective)
+    over_lanes = s.module(__name__, "_".join(filter(None, ("motion", "selective" * selective))), lanes=True)
+    read, lanes = make_reads(s), make_lanes(s)
+    worth, raised, value, Bits = lanes.worth, lanes.raised, lanes.value, lanes.Bits
+    rank, ranked = lanes.rank, lanes.ranked
+    LARGEST = wp.constant(2**31 - 1)  # as a mask it tells the compiler that an index is not negative
 
     @wp.func
     def strangers(first: wp.int32, last: wp.int32, others_first: wp.int32, others_last: wp.int32):
@@ -207,7 +213,7 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
             i = member[k]
             role[i] = wp.where(kernel_type[i] == ERODED, -1 - found, found)
 
-    @wp.kernel(module=module)
+    @wp.kernel(module=over_lanes)
     def motion(
         offset: wp.int32,
         # in:
@@ -227,11 +233,22 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
         t = hand // hands
         if t >= n_tiles[0]:
             return
-        low, high = vec(real(1.0e30)), vec(real(-1.0e30))
-        for k in range(tile_start[t] + hand % hands, tile_start[t + 1], hands):
-            i = member[k]
-            moved = vec(x[i] - x_listed[i])
-            low, high = wp.min(low, moved), wp.max(high, moved)
+        # scalars, not vectors: the compiler keeps them in registers
+        low_x, low_y, low_z = rank(real(1.0e30)), rank(real(1.0e30)), rank(real(1.0e30))
+        high_x, high_y, high_z = rank(real(-1.0e30)), rank(real(-1.0e30)), rank(real(-1.0e30))
+        first = tile_start[t] + hand % hands
+        # counted one by one, which the compiler unrolls: a GPU then waits for several particles at once
+        count = (tile_start[t + 1] - first + hands - 1) / hands
+        k = wp.int32(0)
+        while k < count:
+            i = read.integer(member, first + k * hands) & LARGEST
+            moved = vec(read.point(x, i) - read.point(x_listed, i))
+            low_x, high_x = wp.min(low_x, rank(moved[0])), wp.max(high_x, rank(moved[0]))
+            low_y, high_y = wp.min(low_y, rank(moved[1])), wp.max(high_y, rank(moved[1]))
+            low_z, high_z = wp.min(low_z, rank(moved[2])), wp.max(high_z, rank(moved[2]))
+            k += 1
+        low = vec(ranked(low_x), ranked(low_y), ranked(low_z))
+        high = vec(ranked(high_x), ranked(high_y), ranked(high_z))
         for c in range(3):
             if (plane_mask >> c) & 1 == 1:  # an image moves the other way
                 widest = wp.max(-low[c], high[c])
@@ -262,7 +279,7 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
         moved_low[t] = low
         moved_high[t] = high
 
-    @wp.kernel(module=module)
+    @wp.kernel(module=over_lanes)
     def wear(
         offset: wp.int32,
         # in:
@@ -290,22 +307,25 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
         if t >= n_tiles[0]:
             tile_wear[hand] = real(0.0)
             return
-        low, high = moved_low[t], moved_high[t]
-        at, to = box_low[t], box_high[t]
+        low, high = read.vec(moved_low, t), read.vec(moved_high, t)
+        at, to = read.point(box_low, t), read.point(box_high, t)
         skin2 = (radius - support) * (radius - support)
-        worst = real(0.0)
-        for u in range(hand % hands, n_tiles[0], hands):
+        worst = Bits(0)
+        u = wp.int32(hand % hands)
+        last = wp.int32(n_tiles[0])
+        while u < last:
+            counts = bool(True)
             if wp.static(selective):
-                if wp.max(tile_role[t], tile_role[u]) < wearing_role and not strangers(
-                    body_first[t], body_last[t], body_first[u], body_last[u]
-                ):
-                    continue
-            nearer = wp.max(high - moved_low[u], moved_high[u] - low)
-            n2 = wp.dot(nearer, nearer)
-            if n2 > worst * skin2:  # otherwise no gap can make it the worst
-                gap = between(at, to, box_low[u], box_high[u])
+                counts = wp.max(tile_role[t], read.integer(tile_role, u)) >= wearing_role or strangers(
+                    body_first[t], body_last[t], read.integer(body_first, u), read.integer(body_last, u)
+                )
+            nearer = wp.max(high - read.vec(moved_low, u), read.vec(moved_high, u) - low)
+            n2 = wp.where(counts, wp.dot(nearer, nearer), real(0.0))
+            if worth(n2 > value(worst) * skin2):  # otherwise no gap can make it the worst
+                gap = between(at, to, read.point(box_low, u), read.point(box_high, u))
                 apart = wp.max(radius, wp.length(gap)) - support
-                worst = wp.max(worst, n2 / (apart * apart))
-        tile_wear[hand] = wp.sqrt(worst)
+                worst = raised(worst, n2 / (apart * apart))
+            u += hands
+        tile_wear[hand] = wp.sqrt(value(worst))
 
     return TileKernels(keys, heads, starts, boxes, contents, roles, motion, extents, wear)

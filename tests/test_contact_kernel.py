@@ -89,7 +89,7 @@ def contact(spec, state, rows=None, kernel="cubic_spline", plane=None, **before)
         plane=spec.vec(*(plane or (0.0, 0.0, 0.0))),
         start=np.cumsum([0, *map(len, rows)]).astype(np.int32),
         n_neigh=np.array([len(row) for row in rows], np.int32),
-        neigh=np.concatenate([*rows, []]).astype(np.int32),
+        neigh=np.concatenate([*rows, []]).astype(np.int32), n_strangers=np.ones(n, np.int32),
     )  # fmt: skip
     return {k: a.astype(float) for k, a in (found | {k: a.numpy() for k, a in parts.items()}).items()}
 

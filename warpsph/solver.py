@@ -113,6 +113,7 @@ class Solver:
             support=self._scheme.support * h,
             skin=data.numerics.skin * h,
             selective="lagrangian" in self._scheme.groups,
+            erosion=data.numerics.erosion,
             searching=self._scheme.searching,
         )
         self.reference = self._find_reference()
@@ -171,7 +172,7 @@ class Solver:
             self.reference.build()
         self._run_still(self._scheme.settle(self._bind))
         self._check_laws()
-        self._run_still(self._scheme.derive(self._bind))
+        self._run_still(self._scheme.derive(self._bind) + self._scheme.listed(self._bind))
         self._run_still(self._scheme.probe(self._bind))
 
     def _check_laws(self) -> None:
@@ -205,8 +206,8 @@ class Solver:
 
     def relist(self) -> None:
         """Rebuild the neighbour rows now."""
-        if self.neighbours.build():
-            self._run_still(self._scheme.derive(self._bind))  # particles have moved in memory
+        moved = self.neighbours.build()  # particles, in memory
+        self._run_still((self._scheme.derive(self._bind) if moved else []) + self._scheme.listed(self._bind))
 
     def prepare(self) -> None:
         """Compile and load every kernel of a step, without taking one."""
@@ -383,7 +384,7 @@ class Solver:
         if self.reference is not None:
             self.reference.build()
         self._bound = -1  # arrays may have moved in memory
-        self._run_still(self._scheme.derive(self._bind))
+        self._run_still(self._scheme.derive(self._bind) + self._scheme.listed(self._bind))
         for name in self._scheme.lasting:
             to_device(getattr(self._work, name), arrays[name])
         self.reading = self._clock.read()

@@ -24,6 +24,10 @@ SMALLEST_LIGHT_SLICE = 1024
 WORTH_WAKING = 100000
 """Particles from which on it is worth to wake threads for a launch of such a kernel by itself."""
 
+BLOCK = 128
+"""Threads of a block on CUDA. No smaller share of a multiprocessor's registers is left over with it than with 256, and a
+half more threads are under way where a thread takes more than 128 of them (docs/registers.md)."""
+
 LABOUR = {"neigh", "neigh0", "materials"}
 """Arguments of kernels with much to do: rows of neighbours, laws of materials."""
 
@@ -147,7 +151,7 @@ class Launcher:
             dim: Number of threads.
             sources: Objects whose attributes supply arguments; the first that has the name wins.
             particles: Particles that the threads go through, if not one each.
-            block: Threads of a block on CUDA, if not Warp's own choice.
+            block: Threads of a block on CUDA, if not `BLOCK`.
             named: Arguments given here, before any source; a text is the name to look for instead.
 
         Raises:
@@ -176,12 +180,12 @@ class Launcher:
         self, kernel: wp.Kernel, dim: int, args: list, most: int, block: int | None
     ) -> list[wp.Launch]:
         """Record a launch in at most so many slices."""
-        options = {"device": self.device, "block_dim": block, "record_cmd": True}
+        options = {"device": self.device, "block_dim": block or threads_of_block(self.device)}
         lengths = [arg.length for arg in args if isinstance(arg, Pieces)]
         recorded = []
         for first, size in self.slices(dim, most, min(lengths, default=dim)):
             given = [arg.serving(first) if isinstance(arg, Pieces) else arg for arg in args]
-            recorded.append(wp.launch(kernel, size, [first, *given], **options))
+            recorded.append(wp.launch(kernel, size, [first, *given], record_cmd=True, **options))
         return recorded
 
     def launch(self, kernel: wp.Kernel, dim: int, *sources: object, **named: object) -> None:
@@ -209,6 +213,11 @@ def _checked(kernel: wp.Kernel, var, name: str, value: object) -> object:
                 f"{kernel.key}: array {name!r} has type {found.__name__}, not {expected.__name__}"
             )
     return value
+
+
+def threads_of_block(device: wp.Device) -> int:
+    """Give the number of threads that a block has on a device."""
+    return BLOCK if device.is_cuda else 1
 
 
 def count_cores() -> int:

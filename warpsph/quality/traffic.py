@@ -75,8 +75,8 @@ LOOPS = {
     "hydrodynamic": PairLoop(6, 4, 0, 1, 2, (109, 20, 4)),
     # x v sig, rho cs cl vol A_shock, mat
     "pair_fluxes": PairLoop(5, 2, 1, 0, 2, (50, 34, 6)),
-    # x and vol, twice
-    "correction": PairLoop(2, 2, 0, 0, 2, (50, 11, 3)),
+    # x, vol
+    "correction": PairLoop(1, 1, 0, 0, 1, (27, 8, 1)),
 }
 """What a pair costs in each loop, without correction."""
 

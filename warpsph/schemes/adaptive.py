@@ -1,11 +1,14 @@
 """Total Lagrangian and Eulerian particles coupled, the former turning into the latter (AdapTLE; method section 5)."""
 
+from dataclasses import replace
+
 import warp as wp
 
 from warpsph.config import Numerics
 from warpsph.device.launch import Command
 from warpsph.kernels.artificial_stress import make_artificial_stress
-from warpsph.kernels.coupling import Coupling
+from warpsph.kernels.company import MIXED, PLAIN, make_company
+from warpsph.kernels.coupling import PURE, Coupling
 from warpsph.kernels.kinematics import make_kinematics
 from warpsph.kernels.momentum_eulerian import PairTerms, make_momentum
 from warpsph.kernels.momentum_lagrangian import LagrangianTerms, make_momentum_lagrangian
@@ -33,7 +36,8 @@ class Adaptive(Lagrangian):
         super().__init__(settings, spec, numerics, traits, parts, correction=s.correction)
         coupling = Coupling(numerics.coupling, numerics.interface_stress, numerics.contact is not None)
         mutual = numerics.coupling == "conservative"
-        terms = PairTerms(s.correction, False, s.artificial_stress, planes, coupling, self.parts)
+        terms = PairTerms(s.correction, False, s.artificial_stress, planes, coupling, self.parts, MIXED)
+        plain = replace(terms, coupling=PURE, company=PLAIN)
         lagrangian_terms = LagrangianTerms(
             settings.correction,
             numerics.hourglass > 0.0,
@@ -44,7 +48,9 @@ class Adaptive(Lagrangian):
             planes,
             self.parts,
         )
+        self._company = make_company(spec, planes, coupling.separate)
         self._momentum = make_momentum(spec, self.smoothing, terms)
+        self._momentum_plain = make_momentum(spec, self.smoothing, plain)
         self._momentum_lagrangian = make_momentum_lagrangian(spec, self.smoothing, lagrangian_terms)
         self._velocity_gradient = make_kinematics(
             spec, self.smoothing, s.correction, planes, coupling.separate, coupled=True
@@ -54,24 +60,31 @@ class Adaptive(Lagrangian):
         self.spread_radius = numerics.conversion.radius if numerics.conversion else None
 
     def arrays(self, n: int) -> dict[str, wp.array]:
-        """Add the artificial stress R."""
+        """Add the artificial stress R, and what the rows hold."""
         stressed = n if self._artificial_stress else 1
-        return super().arrays(n) | {"R": wp.zeros(stressed, dtype=self._spec.sym)}
+        own = {"R": wp.zeros(stressed, dtype=self._spec.sym), "company": wp.zeros(n, dtype=wp.int32)}
+        return super().arrays(n) | own
 
     def derive(self, bind: Bind) -> list[Command]:
         """R from σ besides."""
         return super().derive(bind) + bound(bind, self._artificial_stress)
 
+    def listed(self, bind: Bind) -> list[Command]:
+        """What the rows hold."""
+        return [*super().listed(bind), bind(self._company, changed="dt")]
+
     def probe(self, bind: Bind) -> list[Command]:
         """Forces and approach speeds."""
-        return bound(bind, self._correction, self._momentum, self._momentum_lagrangian, self._contact)
+        forces = (self._momentum_plain, self._momentum, self._momentum_lagrangian, self._contact)
+        return bound(bind, self._correction, *forces)
 
     def step(self, bind: Bind) -> list[Command]:
         """One step from (x, v, e, ρ or F, τ) at t to t + dt."""
         motion = bound(
             bind,
             self._correction,  # S, G, K at x, where there are rows
-            self._momentum,  # A and B of pairs in the Eulerian form
+            self._momentum_plain,  # A and B of pairs in the Eulerian form, of particles that have no other
+            self._momentum,  # and of the others
             self._momentum_lagrangian,  # and of those in the Lagrangian one
             self._contact,  # and from other bodies
             self._integrate.kick,  # v' = v + dt A, e' exact in energy
@@ -104,4 +117,5 @@ class Adaptive(Lagrangian):
             ),
             bind(self._ends.convert, fate=fates[len(passes) % 2]),
             bind(self._ends.interfaces),
+            bind(self._company),
         ]

@@ -109,7 +109,8 @@ class TotalLagrangian(Lagrangian):
         )
         self._momentum = make_momentum_lagrangian(spec, self.smoothing, terms)
         self._erodes = numerics.erosion
-        self._contact = None if traits.alone else self._contact
+        if traits.alone:
+            self._strangers = self._contact = None
 
     def probe(self, bind: Bind) -> list[Command]:
         """Forces and approach speeds."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import warp as wp
 
+from warpsph.clock import STAGES
 from warpsph.config import Numerics
 from warpsph.device.blocks import Blocks
 from warpsph.device.launch import Command
@@ -118,7 +119,8 @@ class Scheme(ABC):
         self._correction = (
             make_correction(spec, self.smoothing, planes, contact, lagrangian) if correction else None
         )
-        self._contact = make_contact(spec, self.smoothing, planes, self.parts).contact if contact else None
+        touching = make_contact(spec, self.smoothing, planes, self.parts) if contact else None
+        self._strangers, self._contact = touching or (None, None)
         self._constitutive = make_constitutive(spec, self._sheet, split, lagrangian)
 
     @property
@@ -138,7 +140,7 @@ class Scheme(ABC):
         parted, types = n if self.parts else 1, part_types(s, len(self.parts))
         unused = {"X": s.point, "F": s.mat, "vol0": s.real, "ripe": wp.int32, "fate": wp.int32}
         unused |= {"shrink": s.real, "contact_rate": s.real, "thickness": s.real, "av_switch": s.real}
-        unused |= {"cover": s.real, "inverted": wp.int32}
+        unused |= {"cover": s.real, "inverted": wp.int32, "company": wp.int32}
         unused |= {
             "fixed": wp.int32,
             "impulse": s.vec,
@@ -151,6 +153,7 @@ class Scheme(ABC):
             "div": wp.zeros(1, dtype=s.real),
             "K": wp.zeros(corrected, dtype=s.mat),
             "G": wp.zeros(corrected, dtype=s.vec),
+            "n_strangers": wp.zeros(n if self._strangers else 1, dtype=wp.int32),
             "part_a": wp.zeros(parted, dtype=types.acceleration),
             "part_power": wp.zeros(parted, dtype=types.power),
             "turned": wp.zeros(1, dtype=wp.int32),
@@ -168,6 +171,10 @@ class Scheme(ABC):
         """The launches that refill what one step leaves for the next and no checkpoint holds."""
         return []
 
+    def listed(self, bind: Bind) -> list[Command]:
+        """The launches that follow new neighbour rows."""
+        return bound(bind, self._strangers)
+
     def plan(self, bind: Bind, blocks: Blocks, tiles: Tiles) -> list[Command]:
         """How far the next step may go, and whether it may be taken at all.
 
@@ -179,12 +186,13 @@ class Scheme(ABC):
         worn = self._worn(bind, tiles) if self.searching else []
         deal = {"chunk": blocks.chunk, "along": blocks.along, "across": blocks.across}
         local = bind(self._timestep.local, blocks.count, **deal)  # dt_a from the state
-        if not blocks.folds:
-            return [*worn, local, bind(self._timestep.decide, 1)]  # dt and verdict
-        few = {"block_dt": "folded_dt", "tile_wear": "folded_wear"}
-        few |= {"block_low": "folded_low", "block_high": "folded_high"}
-        fold, decide = bind(self._timestep.fold, blocks.folds), bind(self._timestep.decide, 1, **few)
-        return [*worn, local, fold, decide]
+        folds, left = [], {}
+        for stage, few in zip(STAGES, blocks.folds, strict=False):
+            found = {f"folded_{name}": f"{stage}_{name}" for name in ("dt", "low", "high", "wear")}
+            folds.append(bind(self._timestep.fold, few, **left, **found))
+            left = {f"block_{name}": f"{stage}_{name}" for name in ("dt", "low", "high")}
+            left |= {"tile_wear": f"{stage}_wear"}
+        return [*worn, local, *folds, bind(self._timestep.decide, 1, **left)]  # dt and verdict
 
     def _worn(self, bind: Bind, tiles: Tiles) -> list[Command]:
         """Whether the neighbour rows still hold every pair."""

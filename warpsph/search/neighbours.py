@@ -57,6 +57,7 @@ class Neighbours:
         support: float,
         skin: float,
         selective: bool = False,
+        erosion: bool = False,
         searching: bool = True,
     ):
         """Allocate for particles that interact within ``support`` [m]; ``skin`` [m] is added.
@@ -71,6 +72,7 @@ class Neighbours:
             support: Reach of the smoothing kernel [m].
             skin: Verlet skin [m].
             selective: There are Lagrangian particles.
+            erosion: They may be eroded.
             searching: Rows are needed at all: a single Lagrangian body needs none.
         """
         spec, n = particles.spec, particles.n
@@ -80,7 +82,7 @@ class Neighbours:
         self.support, self.radius = support, support + skin
         self.plane = spec.point(*(dict(planes).get(axis, 0.0) for axis in range(3)))
         self.plane_mask = sum(1 << axis for axis, _ in planes)
-        self._kernels = make_neighbours(spec, bool(planes), selective=selective)
+        self._kernels = make_neighbours(spec, bool(planes), selective=selective, erosion=erosion)
         self.block = Block(launcher.device)
         with wp.ScopedDevice(launcher.device):
             self.role = wp.zeros(n if selective else 1, dtype=wp.int32)
@@ -88,7 +90,7 @@ class Neighbours:
             self.x_listed = wp.zeros(n, dtype=spec.point)
         counts = count_cells(x, spec.dim, self.radius, [axis for axis, _ in planes])
         self.cells = CellList(n, spec, counts, self.x_listed, launcher)
-        self.search = Rows(n, self.cells, self._kernels, launcher, policy, self.block)
+        self.search = Rows(n, self.cells, self._kernels, launcher, policy, self.block, selective)
         self.builds = 0
 
     @property

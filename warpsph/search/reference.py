@@ -60,7 +60,7 @@ class Reference:
         self._particles, self._launcher, self._neighbours = particles, launcher, neighbours
         self._corrected, self._policy = corrected, lasting(policy)
         self._search = make_neighbours(spec, planes, same_body=True)
-        self._correction = make_correction(spec, smoothing, planes, coupled=True) if corrected else None
+        self._correction = make_correction(spec, smoothing, planes, erosion=True) if corrected else None
         self._pairs = make_reference(spec, smoothing, corrected, planes)
         n = particles.n if corrected else 1
         with wp.ScopedDevice(launcher.device):

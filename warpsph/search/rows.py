@@ -42,6 +42,7 @@ class Rows:
         launcher: Launcher,
         policy: Policy,
         block: Block,
+        selective: bool = False,
     ):
         """Allocate; the first filling makes room for the entries.
 
@@ -52,6 +53,8 @@ class Rows:
             launcher: The device.
             policy: Room of the rows.
             block: Where the entries go.
+            selective: Particles may come to have a row that had none, by their ``role``. They get room ahead of a search
+                on a CPU, where rows have room to spare.
         """
         self._n, self.cells = n, cells
         self._kernels, self._launcher, self._policy, self._block = kernels, launcher, policy, block
@@ -61,6 +64,7 @@ class Rows:
             self.n_neigh = wp.zeros(n, dtype=wp.int32)
         self.start = self._by_particle(self._starts)
         self._rooms, self._layouts = [1] * len(self._cuts()), 0
+        self._expecting, self._typical = selective and policy.lanes > 1, 0
 
     @property
     def generation(self) -> int:
@@ -100,8 +104,11 @@ class Rows:
     def fill(self, *sources: object, **named: object) -> None:
         """Find every neighbour; the arguments are those of the kernel.
 
-        Reading one flag back is the only synchronisation: rows keep their place as long as all of them have room.
+        Reading one flag back is the only synchronisation: rows keep their place as long as all of them have room. Of rows
+        that are new another flag tells, so that they get room before they are found to have none.
         """
+        if self._expecting and self._typical and self._newcomers(sources):
+            self._enlarge()
         self._run(sources, named)
         if self._overflow.numpy()[0]:
             self._enlarge()
@@ -119,12 +126,23 @@ class Rows:
         )
         return written_out(self._launcher, self.cells.spec, fill)
 
+    def _newcomers(self, sources: tuple) -> bool:
+        """Whether there are particles that had no row, need one now and have no room for it."""
+        self._overflow.zero_()
+        self._launcher.launch(
+            self._kernels.expect, self._n, self, *sources, typical=self._typical, overflow=self._overflow
+        )
+        return bool(self._overflow.numpy()[0])
+
     def _enlarge(self) -> None:
-        """Make room for what the last filling counted.
+        """Make room for what the last filling counted, and for what is expected.
 
         Raises:
             RunError: Offsets no longer fit into 32 bits.
         """
+        if self._expecting and not self._typical:
+            counts = self.n_neigh.numpy()
+            self._typical = int(counts.sum() / max(np.count_nonzero(counts), 1))
         (room,) = self._block.views((wp.int32, self._starts.size))
         room.zero_()  # the last of a piece stays 0: its scan ends in the total
         self._launcher.launch(
