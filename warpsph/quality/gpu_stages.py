@@ -285,7 +285,7 @@ def graph(sheet: Sheet, device: str, quick: bool, deadline: float) -> None:
                     _stepped(data, device, flag, 20 if quick else 100) for flag in (False, True)
                 )
             same = all(np.array_equal(before[name], after[name], equal_nan=True) for name in before)
-            trouble = [str(warning.message) for warning in told if "no CUDA graph" in str(warning.message)]
+            trouble = [str(warning.message) for warning in told if "no graph on" in str(warning.message)]
             sheet.failed += trouble + [f"{dim}D {scheme}: other bits with a graph"] * (not same)
             n = len(data.x)
             sheet.add(

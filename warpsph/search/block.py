@@ -1,9 +1,14 @@
 """One piece of device memory that serves several uses in turn."""
 
+from collections.abc import Callable, Hashable
+from typing import Any, TypeVar
+
 import warp as wp
 
 from warpsph.memory import available
 from warpsph.messages import machine
+
+T = TypeVar("T")
 
 LINE = wp.types.vector(16, wp.int32)
 """64 bytes, to which the start of a view is rounded. Counted in these, an array may be larger than 2^31 words."""
@@ -30,6 +35,7 @@ class Block:
     def __init__(self, device: wp.Device):
         """Start with next to nothing; every use makes it as large as it needs."""
         self._device, self.generation = device, 0
+        self._bound: dict[Hashable, Any] = {}
         self.lines = wp.empty(1, dtype=LINE, device=device)
 
     @property
@@ -59,8 +65,16 @@ class Block:
 
     def release(self) -> None:
         """Give the memory back: there is no further use."""
+        self._bound.clear()
         self.lines = wp.empty(1, dtype=LINE, device=self._device)
         self.generation += 1
+
+    def bound(self, key: Hashable, bind: Callable[[], T]) -> T:
+        """What ``bind`` gave for this key, launches on views of the memory: made once, and again when it has moved."""
+        if key not in self._bound:
+            made = bind()  # which may move it
+            self._bound[key] = made
+        return self._bound[key]
 
     def view(self, dtype: type, first: int, n: int) -> wp.array:
         """An array of n entries of one or two words, from the ``first`` on."""

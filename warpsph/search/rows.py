@@ -7,6 +7,8 @@ import numpy as np
 import warp as wp
 
 from warpsph.device.launch import Launcher, Pieces
+from warpsph.device.score import written_out
+from warpsph.device.team import Work
 from warpsph.kernels.neighbours import NeighbourKernels
 from warpsph.memory.policy import Policy
 from warpsph.messages import stops
@@ -114,9 +116,15 @@ class Rows:
 
     def _run(self, sources: tuple, named: dict) -> None:
         self._overflow.zero_()
-        self._launcher.launch(
+        given = (getattr(value, "ptr", value) for value in named.values())
+        key = (self, self._layouts, *self.cells.cell_scale, *sources, *given)
+        self._block.bound(key, lambda: self._bind(sources, named))()
+
+    def _bind(self, sources: tuple, named: dict) -> Work:
+        fill = self._launcher.bind(
             self._kernels.fill, self._n, self, self.cells, *sources, overflow=self._overflow, **named
         )
+        return written_out(self._launcher, self.cells.spec, fill)
 
     def _newcomers(self, sources: tuple) -> bool:
         """Whether there are particles that had no row, need one now and have no room for it."""
