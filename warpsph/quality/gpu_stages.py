@@ -1,5 +1,6 @@
 """The stages of `gpu_check`: what is run on a GPU, and what counts as right."""
 
+import contextlib
 import datetime
 import gc
 import importlib.util
@@ -123,9 +124,11 @@ def tests(sheet: Sheet, device: str, quick: bool, deadline: float) -> None:
         try:
             child.wait(max(deadline - time.monotonic(), 1.0))
         except subprocess.TimeoutExpired:
-            child.send_signal(signal.SIGINT)  # pytest then writes what it has
-            child.wait(TAIL_OF_TESTS)
             sheet.notes.append("Stopped at the time limit: not all of them ran; the log says which.")
+            child.send_signal(signal.SIGINT)  # pytest then writes what it has
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                child.wait(TAIL_OF_TESTS)
+            child.kill()
         cases = list(ElementTree.parse(result).iter("testcase")) if result.is_file() else []
     counts = {"passed": 0, "failed": 0, "skipped": 0}
     for case in cases:
@@ -242,6 +245,8 @@ def compare(sheet: Sheet, device: str, quick: bool, deadline: float) -> None:
                 _compared(sheet, jobs[job], job)
         except TimeoutError:
             pool.shutdown(wait=False, cancel_futures=True)
+            for worker in multiprocessing.active_children():
+                worker.kill()  # who compiles does not listen
     left = len(jobs) - len(sheet.rows)
     if left:
         sheet.notes.append(f"{left} of {len(jobs)} were not reached.")
