@@ -101,7 +101,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--quick", action="store_true", help="small sizes and few rows: a rehearsal")
     parser.add_argument("--out", type=Path, default=Path(os.environ.get("OUT", "gpu_check")))
     parser.add_argument("--stage", choices=LIMITS, help="only this one")
-    parser.add_argument("--deadline", type=float, help="of a stage: when it should end, as time.monotonic has it")
+    parser.add_argument(
+        "--deadline", type=float, help="of a stage: when it should end, as time.monotonic has it"
+    )
     given = parser.parse_args(arguments)
     given.out.mkdir(parents=True, exist_ok=True)
     if given.deadline is not None:
@@ -118,10 +120,18 @@ def _watched(stage: str, later: list[str], end: float, given: argparse.Namespace
     left = end - time.monotonic() - sum(LIMITS[name] for name in later)
     command = [sys.executable, "-m", "warpsph.quality.gpu_check", "--stage", stage, "--device", given.device]
     start = time.monotonic()
-    command += ["--out", str(given.out), "--deadline", f"{start + left - TAIL:.1f}", *["--quick"] * given.quick]
+    command += [
+        "--out",
+        str(given.out),
+        "--deadline",
+        f"{start + left - TAIL:.1f}",
+        *["--quick"] * given.quick,
+    ]
     trouble = run_stage(command, given.out / "log.txt", left)
     path = given.out / f"{stage}.json"
-    found = json.loads(path.read_text()) if path.is_file() else {"failed": ["nothing was written"], "done": True}
+    found = (
+        json.loads(path.read_text()) if path.is_file() else {"failed": ["nothing was written"], "done": True}
+    )
     ending = "; ".join(filter(None, [trouble, *found["failed"]])) or "well"
     if trouble and not found["done"]:
         found["failed"].append(trouble)

@@ -1,5 +1,7 @@
 """One piece of device memory that serves several uses in turn."""
 
+from collections.abc import Callable
+
 import warp as wp
 
 from warpsph.memory import available
@@ -25,11 +27,14 @@ class Block:
     Attributes:
         lines: The memory.
         generation: Changes when it has moved.
+        let_go: Called before it moves: whoever keeps views of it, as bound launches do, drops them, for they would keep
+            the old memory beside the new.
     """
 
     def __init__(self, device: wp.Device):
         """Start with next to nothing; every use makes it as large as it needs."""
         self._device, self.generation = device, 0
+        self.let_go: Callable[[], None] = lambda: None
         self.lines = wp.empty(1, dtype=LINE, device=device)
 
     @property
@@ -59,6 +64,7 @@ class Block:
 
     def release(self) -> None:
         """Give the memory back: there is no further use."""
+        self.let_go()
         self.lines = wp.empty(1, dtype=LINE, device=self._device)
         self.generation += 1
 
