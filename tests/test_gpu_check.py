@@ -94,12 +94,15 @@ def test_a_stage_has_the_time_that_is_left_when_it_begins(tmp_path, monkeypatch)
     """Not counted from when its process has come to life, which may take seconds."""
     seen = []
     monkeypatch.setattr(gpu_check, "LIMITS", {"facts": 60})
-    monkeypatch.setattr(gpu_check, "run_stage", lambda command, log, limit: seen.append((command, limit)) or "")
+    monkeypatch.setattr(
+        gpu_check, "run_stage", lambda command, log, limit: seen.append((command, limit)) or ""
+    )
     start = time.monotonic()
     gpu_check.main(["--out", str(tmp_path)])
     ((command, limit),) = seen
-    end = float(command[command.index("--deadline") + 1])
-    assert end - start == pytest.approx(60.0 - gpu_check.TAIL, abs=1.0) and limit == pytest.approx(60.0, abs=1.0)
+    told = float(command[command.index("--deadline") + 1])
+    assert told - start == pytest.approx(60.0 - gpu_check.TAIL, abs=1.0)
+    assert limit == pytest.approx(60.0, abs=1.0)
 
 
 def test_tests_that_do_not_stop_are_killed(tmp_path, monkeypatch):
@@ -118,13 +121,11 @@ def test_tests_that_do_not_stop_are_killed(tmp_path, monkeypatch):
 
 
 def test_a_comparison_whose_time_is_up_does_not_wait_for_its_workers(tmp_path, monkeypatch):
+    submit = gpu_stages.ProcessPoolExecutor.submit
+    asleep = lambda pool, *given: submit(pool, time.sleep, 60.0)  # noqa: E731
     monkeypatch.setattr(gpu_stages, "comparisons", lambda quick: ["a case"])
-    monkeypatch.setattr(gpu_stages.ProcessPoolExecutor, "submit", _asleep(gpu_stages.ProcessPoolExecutor.submit))
+    monkeypatch.setattr(gpu_stages.ProcessPoolExecutor, "submit", asleep)
     sheet = Sheet(tmp_path / "compare.json", "Comparison", ("scheme",))
     start = time.monotonic()
     gpu_stages.compare(sheet, "cpu", True, start + 1.0)
     assert time.monotonic() - start < 20.0 and "1 of 1 were not reached." in sheet.notes
-
-
-def _asleep(submit):
-    return lambda pool, function, *given: submit(pool, time.sleep, 60.0)
