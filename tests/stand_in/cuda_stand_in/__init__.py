@@ -11,7 +11,7 @@ side of a run is right, and is as strict there as CUDA is, or more so:
   code.
 - Threads of a kernel run in another order than on a CPU.
 
-``PYTHONPATH=tests/stand_in pytest -m gpu`` runs the tests that need a GPU on it.
+``PYTHONPATH=$PWD/tests/stand_in pytest -m gpu`` runs the tests that need a GPU on it.
 """
 
 from .install import install
