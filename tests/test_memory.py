@@ -416,6 +416,29 @@ def test_memory_that_runs_out_elsewhere_stops_the_run_in_one_line(trouble, monke
     assert "\n" not in message and message.count("out of memory") == 1
 
 
+def test_a_gpu_that_fails_ends_the_run_in_one_line(monkeypatch, tmp_path):
+    """Whatever is asked of it from then on fails too: the last snapshot is the one before."""
+    failure = "Warp copy error: CUDA error 700: an illegal memory access was encountered"
+    advance = Solver.advance
+
+    def fail(*_):
+        raise RuntimeError(failure)
+
+    def advance_once(solver, *given):
+        advance(solver, *given)
+        monkeypatch.setattr(Solver, "advance", fail)
+        monkeypatch.setattr(Solver, "save", fail)
+
+    monkeypatch.setattr(Solver, "advance", advance_once)
+    with pytest.raises(RunError) as stopped, exhaustion.told():
+        run_scene(small(), tmp_path / "out", frames=False)
+    assert re.fullmatch(
+        rf"the GPU has failed \({failure}\); a run goes on from its checkpoint with `warpsph resume`; "
+        r"last snapshot: .*test_0000.vtkhdf",
+        str(stopped.value),
+    )
+
+
 def test_a_block_without_memory_stays_usable(monkeypatch):
     block = Block(wp.get_device("cpu"))
     block.grow(1000)
