@@ -7,11 +7,20 @@ import warp as wp
 
 from .spec import Spec
 
-WIDTH = 4
-"""Numbers that a thread copies at once."""
+PACKET = 16
+"""Bytes that a thread copies at once: a GPU moves no more with one instruction, and needs that to fill its memory."""
 
 CHAINS = 64
 """Independent sums of a thread: enough to keep vector units and pipelines full."""
+
+PUT = """
+#if defined(__CUDA_ARCH__)
+    reinterpret_cast<int4*>(target.data)[i] = reinterpret_cast<const int4*>(source.data)[i];
+#else
+    target.data[i] = source.data[i];
+#endif
+"""
+"""Puts a packet in its place, in one piece on a GPU: Warp's vectors are not aligned, and go number by number."""
 
 
 class CeilingKernels(NamedTuple):
@@ -20,7 +29,7 @@ class CeilingKernels(NamedTuple):
     Attributes:
         copy: Moves `packet` by `packet`.
         multiply_add: `CHAINS` chains of multiply-adds.
-        packet: `WIDTH` numbers.
+        packet: `PACKET` bytes of numbers.
     """
 
     copy: wp.Kernel
@@ -31,8 +40,12 @@ class CeilingKernels(NamedTuple):
 @functools.cache
 def make_ceilings(s: Spec) -> CeilingKernels:
     """Build the kernels for one precision."""
-    real, packet, chains = s.real, wp.types.vector(WIDTH, s.real), wp.types.vector(CHAINS, s.real)
+    real, chains = s.real, wp.types.vector(CHAINS, s.real)
+    packet = wp.types.vector(PACKET // wp.types.type_size_in_bytes(real), real)
     module = s.module(__name__)
+
+    @wp.func_native(PUT)
+    def put(target: wp.array[packet], source: wp.array[packet], i: wp.int32): ...
 
     @wp.kernel(module=module)
     def copy(
@@ -44,7 +57,7 @@ def make_ceilings(s: Spec) -> CeilingKernels:
     ):
         """target = source [-]: two transfers of a packet and no arithmetic."""
         i = wp.tid() + offset
-        target[i] = source[i]
+        put(target, source, i)
 
     @wp.kernel(module=module)
     def multiply_add(

@@ -225,8 +225,10 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
         if t >= n_tiles[0]:
             return
         low, high = vec(real(1.0e30)), vec(real(-1.0e30))
-        for k in range(tile_start[t] + hand % hands, tile_start[t + 1], hands):
-            i = member[k]
+        first = tile_start[t] + hand % hands
+        # counted one by one, which the compiler unrolls: a GPU then waits for several particles at once
+        for k in range((tile_start[t + 1] - first + hands - 1) / hands):
+            i = member[first + k * hands]
             moved = vec(x[i] - x_listed[i])
             low, high = wp.min(low, moved), wp.max(high, moved)
         for c in range(3):

@@ -153,15 +153,18 @@ def make_timestep(
         folded_high: wp.array[vec],
         folded_wear: wp.array[real],
     ):
-        """Extremes of the blocks [s, m/s] and maxima of tile_wear [-], so few that one thread can go through them."""
+        """Extremes of the blocks [s, m/s] and maxima of tile_wear [-], of every so many of them."""
         b = wp.tid() + offset
         smallest, worn = real(1.0e30), real(0.0)
         low, high = vec(real(1.0e30)), vec(real(-1.0e30))
-        for k in range(b, block_dt.shape[0], folded_dt.shape[0]):
-            smallest = wp.min(smallest, block_dt[k])
-            low, high = wp.min(low, block_low[k]), wp.max(high, block_high[k])
-        for t in range(b, tile_wear.shape[0], folded_wear.shape[0]):
-            worn = wp.max(worn, tile_wear[t])
+        step = folded_dt.shape[0]
+        # counted one by one, which the compiler unrolls: it then waits for several at once
+        for k in range((block_dt.shape[0] - b + step - 1) / step):
+            i = b + k * step
+            smallest = wp.min(smallest, block_dt[i])
+            low, high = wp.min(low, block_low[i]), wp.max(high, block_high[i])
+        for k in range((tile_wear.shape[0] - b + step - 1) / step):
+            worn = wp.max(worn, tile_wear[b + k * step])
         folded_dt[b] = smallest
         folded_low[b] = low
         folded_high[b] = high

@@ -10,7 +10,7 @@ from warpsph import cli
 from warpsph.device.launch import Launcher
 from warpsph.errors import InputError
 from warpsph.info import table
-from warpsph.kernels.ceilings import CHAINS, WIDTH, make_ceilings
+from warpsph.kernels.ceilings import CHAINS, PACKET, make_ceilings
 from warpsph.memory.usage import of_search, usage
 from warpsph.quality import bench, block, ceilings, performance, report, series, startup, trial
 from warpsph.quality.stopwatch import REST, ROWS, kernel_times, one_by_one, short_name
@@ -83,7 +83,8 @@ def test_ceilings(real, quick):
 
 def test_kernels_of_the_ceilings_do_what_is_counted(precision):
     kernels, launcher, n = make_ceilings(precision), Launcher("cpu", 2), 1500
-    numbers = np.arange(n * WIDTH, dtype=wp.dtype_to_numpy(precision.real)).reshape(n, WIDTH)
+    real = np.dtype(wp.dtype_to_numpy(precision.real))
+    numbers = np.arange(n * PACKET // real.itemsize, dtype=real).reshape(n, -1)
     with wp.ScopedDevice("cpu"):
         source, target = wp.array(numbers, dtype=kernels.packet), wp.zeros(n, dtype=kernels.packet)
         total = wp.zeros(n, dtype=precision.real)

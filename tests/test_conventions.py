@@ -79,13 +79,15 @@ KERNELS = [
 
 
 def written(kernel):
-    """Names of the parameters a kernel stores to."""
+    """Names of the parameters a kernel stores to, itself or by a function ``put`` or ``put_...``."""
     names = {a.arg for a in kernel.args.args}
     for node in ast.walk(kernel):
         targets = getattr(node, "targets", [getattr(node, "target", None)])
         stores = [ast.unparse(t.value) for t in targets if isinstance(t, ast.Subscript)]
-        if isinstance(node, ast.Call) and ast.unparse(node.func) in ("wp.atomic_min", "wp.atomic_max"):
-            stores.append(ast.unparse(node.args[0]))
+        if isinstance(node, ast.Call):
+            called = ast.unparse(node.func)
+            if called in ("wp.atomic_min", "wp.atomic_max") or called.split("_")[0] == "put":
+                stores.append(ast.unparse(node.args[0]))
         yield from (store for store in stores if store in names)
 
 

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,10 +13,13 @@ import pytest
 from tools import SPACING, by_id, collision, jittered, scene
 
 from warpsph import cli
+from warpsph.config import Contact
 from warpsph.errors import DiskError, RunError
+from warpsph.kernels.timestep import COLLAPSED
 from warpsph.shapes import Disc
 from warpsph.solver import Solver
 from warpsph.storage import checkpoint, history, snapshot
+from warpsph.watching.trouble import explain
 
 MICRO = 1e-6
 
@@ -73,6 +77,14 @@ def test_a_particle_too_fast_for_any_step_stops_the_run(solver):
         RunError, match=r"particle 3 of body 'left' .*collapsed to 1.2e-16 s .*speed 1e\+13 m/s"
     ):
         solver.advance(4 * MICRO)
+
+
+def test_a_contact_too_stiff_for_any_step_is_found():
+    solver = Solver(collision(scheme="sav1", contact=Contact(stiffness=0.25)).finalize())
+    poke(solver, 5, "contact_rate", 1e40)
+    collapsed = replace(solver.reading, status=COLLAPSED)
+    said = str(explain(collapsed, solver.particles, solver.data, solver._scheme))
+    assert "particle 5 of body 'left'" in said and "collapsed to 5e-21 s" in said
 
 
 @pytest.mark.parametrize("energy", [1e308, 1e200])

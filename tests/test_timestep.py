@@ -10,8 +10,10 @@ import pytest
 import warp as wp
 from tools import REALS, SPACING, body, jittered, scene
 
+from warpsph.device.launch import Launcher
 from warpsph.errors import RunError
 from warpsph.kernels.lanes import make_lanes
+from warpsph.kernels.timestep import make_timestep
 from warpsph.shapes import Box
 from warpsph.solver import Solver
 
@@ -115,3 +117,24 @@ def test_the_loop_over_particles_is_in_lanes(tmp_path):
         [sys.executable, "-c", LOAD, str(tmp_path)], capture_output=True, text=True, check=True
     )
     assert re.search(r"timestep.*remark: vectorized loop", done.stdout + done.stderr)
+
+
+@pytest.mark.parametrize(
+    ("blocks", "tiles", "few"), [(1000, 77, 32), (33, 1000, 32), (32, 31, 32), (5, 1, 4)]
+)
+def test_a_fold_loses_nothing(precision, blocks, tiles, few):
+    """Of numbers that are no multiple of the threads, and of fewer than them."""
+    random, real, vec = np.random.default_rng(1), precision.real, precision.vec
+    dt, wear = random.uniform(1.0, 2.0, blocks), random.uniform(0.0, 1.0, tiles)
+    low, high = random.normal(size=(2, blocks, 3))
+    left = {"dt": wp.zeros(few, dtype=real), "wear": wp.zeros(few, dtype=real)}
+    left |= {name: wp.zeros(few, dtype=vec) for name in ("low", "high")}
+    Launcher("cpu", 1).launch(
+        make_timestep(precision).fold, few, block_dt=wp.array(dt, dtype=real), tile_wear=wp.array(wear, dtype=real),
+        block_low=wp.array(low, dtype=vec), block_high=wp.array(high, dtype=vec),
+        **{f"folded_{name}": array for name, array in left.items()},
+    )  # fmt: skip
+    numpy, found = wp.dtype_to_numpy(real), {name: array.numpy() for name, array in left.items()}
+    assert found["dt"].min() == dt.astype(numpy).min() and found["wear"].max() == wear.astype(numpy).max()
+    np.testing.assert_array_equal(found["low"].min(axis=0), low.astype(numpy).min(axis=0))
+    np.testing.assert_array_equal(found["high"].max(axis=0), high.astype(numpy).max(axis=0))

@@ -12,6 +12,9 @@ from .kernels.spec import Spec
 TIME, T_STOP, DT, DT_MIN, DT_MAX, DT_FIRST, WEAR = range(7)
 """Entries of `Clock.clock`."""
 
+STAGES = ("folded", "last")
+"""First words of the names of what each kernel leaves that folds the extremes of the blocks on a GPU."""
+
 
 @dataclass(frozen=True)
 class Reading:
@@ -36,10 +39,11 @@ class Clock:
         block_dt: Partial minima of dt [s].
         block_low: Partial minima of the components of velocity [m/s].
         block_high: Partial maxima of them [m/s].
-        folded_dt: Minima of dt, few enough for one thread; 1 long where the blocks are, as the next ones.
-        folded_low: Minima of velocity, as many.
-        folded_high: Maxima of velocity, as many.
-        folded_wear: Largest wear of the tiles, as many.
+        folded_dt: Minima of those of dt on a GPU, as the next ones.
+        folded_low: Minima of those of velocity.
+        folded_high: Maxima of those of velocity.
+        folded_wear: Largest wear of the tiles.
+        last_dt: Minima of those, few enough for one thread; ``last_low``, ``last_high``, ``last_wear`` likewise.
     """
 
     def __init__(self, spec: Spec, launcher: Launcher, blocks: Blocks):
@@ -49,11 +53,14 @@ class Clock:
             self.count = wp.zeros(2, dtype=wp.int32)
             self.block_dt = wp.zeros(blocks.count, dtype=spec.real)
             self.block_low, self.block_high = (wp.zeros(blocks.count, dtype=spec.vec) for _ in range(2))
-            self.folded_low, self.folded_high = (
-                wp.zeros(max(blocks.folds, 1), dtype=spec.vec) for _ in range(2)
-            )
-            self.folded_dt = wp.zeros(max(blocks.folds, 1), dtype=spec.real)
-            self.folded_wear = wp.zeros(max(blocks.folds, 1), dtype=spec.real)
+            for stage, few in zip(STAGES, blocks.folds, strict=False):
+                for name, dtype in (
+                    ("dt", spec.real),
+                    ("low", spec.vec),
+                    ("high", spec.vec),
+                    ("wear", spec.real),
+                ):
+                    setattr(self, f"{stage}_{name}", wp.zeros(few, dtype=dtype))
 
     def read(self) -> Reading:
         """Read the clock: the one synchronisation of a batch of steps."""

@@ -13,8 +13,10 @@ CUDA_BLOCKS = 2048
 CUDA_STEP_BLOCKS = 32768
 """Blocks of the time step's reduction on a GPU, which has to fill it in every step."""
 
-FOLDS = 128
-"""So many partial results of these are left to the one thread that ends the step."""
+FOLDS = (1024, 32)
+"""So many partial results are left of these by one kernel after the other, before the one thread that ends the step.
+
+A thread waits for every partial result that it goes through: in three stages for 32 each, in two for 181."""
 
 
 class Blocks:
@@ -28,7 +30,7 @@ class Blocks:
         along: From one particle of a block to the next.
         across: From a particle of one block to the same one of the next.
         n: Number of particles.
-        folds: Partial results that a kernel between the blocks and the last thread leaves; 0: there is none.
+        folds: Partial results that the kernels between the blocks and the last thread leave; none on a CPU.
     """
 
     def __init__(self, n: int, cuda: bool, most: int | None = None):
@@ -37,7 +39,7 @@ class Blocks:
         self.chunk = -(-n // min(most or (CUDA_BLOCKS if cuda else CPU_BLOCKS), n))
         self.count = -(-n // self.chunk)
         self.along, self.across = (self.count, 1) if cuda else (1, self.chunk)
-        self.folds = min(FOLDS, self.count) if cuda else 0
+        self.folds = tuple(min(most, self.count) for most in FOLDS) if cuda else ()
 
 
 def total(values: np.ndarray) -> float:

@@ -9,7 +9,7 @@ import warp as wp
 
 from warpsph.messages import output
 
-from .launch import count_cores
+from .launch import count_cores, threads_of_block
 
 PER_THREAD = 4
 """Modules that a thread has to compile to be worth it: it makes a precompiled header first, in the time of some six."""
@@ -29,7 +29,7 @@ def compile_modules(kernels: set[wp.Kernel], device: wp.Device) -> None:
     Warp by itself compiles a module at the first launch that needs it, one after the other.
 
     Args:
-        kernels: Kernels that will be launched, with Warp's usual number of threads per block.
+        kernels: Kernels that will be launched, with the device's usual number of threads per block.
         device: Where they will be launched.
 
     Raises:
@@ -37,13 +37,14 @@ def compile_modules(kernels: set[wp.Kernel], device: wp.Device) -> None:
     """
     modules = sorted({kernel.module for kernel in kernels}, key=lambda module: module.name)
     _check_room(modules, device)
-    workers = min(count_cores(), len(modules) // PER_THREAD)
+    block, workers = threads_of_block(device), min(count_cores(), len(modules) // PER_THREAD)
     if workers < 2:
-        wp.force_load(device, modules, max_workers=0)
+        wp.force_load(device, modules, block_dim=block, max_workers=0)
         return
     pool = ThreadPoolExecutor(workers)
     try:
-        for loaded in [pool.submit(wp.force_load, device, [module], max_workers=0) for module in modules]:
+        loading = [pool.submit(wp.force_load, device, [module], block, max_workers=0) for module in modules]
+        for loaded in loading:
             loaded.result()
     finally:
         pool.shutdown(wait=False, cancel_futures=True)  # who is told to stop does not wait for the compiler
@@ -54,7 +55,7 @@ def _check_room(modules: Sequence[wp.Module], device: wp.Device) -> None:
     cache = Path(wp.config.kernel_cache_dir)
     free = shutil.disk_usage(cache).free
     if free < PER_MODULE * len(modules):
-        block = 1 if device.is_cpu else None  # a CPU's code is for blocks of one thread
+        block = threads_of_block(device)
         lacking = [module for module in modules if not (cache / module.get_module_identifier(block)).is_dir()]
         if free < PER_MODULE * len(lacking):
             raise output.full_cache(cache, PER_MODULE * len(lacking), free)

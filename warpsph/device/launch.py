@@ -21,6 +21,10 @@ SMALLEST_SLICE = 512
 SMALLEST_LIGHT_SLICE = 10000
 """The same for other kernels: to wake a thread takes as long as they do for fewer."""
 
+BLOCK = 128
+"""Threads of a block on CUDA. No smaller share of a multiprocessor's registers is left over with it than with 256, and a
+half more threads are under way where a thread takes more than 128 of them (docs/registers.md)."""
+
 LABOUR = {"neigh", "neigh0", "materials"}
 """Arguments of kernels with much to do: rows of neighbours, laws of materials."""
 
@@ -63,12 +67,12 @@ class Command:
         self, launcher: "Launcher", kernel: wp.Kernel, dim: int, args: list, most: int, block: int | None
     ):
         self._launcher = launcher
-        options = {"device": launcher.device, "block_dim": block, "record_cmd": True}
+        options = {"device": launcher.device, "block_dim": block or threads_of_block(launcher.device)}
         self._slices = []
         lengths = [arg.length for arg in args if isinstance(arg, Pieces)]
         for first, size in launcher.slices(dim, most, min(lengths, default=dim)):
             given = [arg.serving(first) if isinstance(arg, Pieces) else arg for arg in args]
-            self._slices.append(wp.launch(kernel, size, [first, *given], **options))
+            self._slices.append(wp.launch(kernel, size, [first, *given], record_cmd=True, **options))
 
     def __call__(self) -> None:
         """Run it; returns when the work is done (CPU) or queued (CUDA)."""
@@ -136,7 +140,7 @@ class Launcher:
             dim: Number of threads.
             sources: Objects whose attributes supply arguments; the first that has the name wins.
             particles: Particles that the threads go through, if not one each.
-            block: Threads of a block on CUDA, if not Warp's own choice.
+            block: Threads of a block on CUDA, if not `BLOCK`.
             named: Arguments given here, before any source; a text is the name to look for instead.
 
         Raises:
@@ -179,6 +183,11 @@ def _checked(kernel: wp.Kernel, var, name: str, value: object) -> object:
                 f"{kernel.key}: array {name!r} has type {found.__name__}, not {expected.__name__}"
             )
     return value
+
+
+def threads_of_block(device: wp.Device) -> int:
+    """Give the number of threads that a block has on a device."""
+    return BLOCK if device.is_cuda else 1
 
 
 def count_cores() -> int:

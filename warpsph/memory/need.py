@@ -143,5 +143,5 @@ def _work(n: int, spec: Spec, scheme: Scheme, device: wp.Device) -> int:
         one, two = (sum(array.capacity for array in scheme.arrays(k).values()) for k in (1, 2))
     columns = len(SUMS) + len(MAXIMA) + COLUMNS
     step = Blocks(n, device.is_cuda, CUDA_STEP_BLOCKS if device.is_cuda else None)
-    extremes = (step.count + max(step.folds, 1)) * wp.types.type_size_in_bytes(spec.real) * EXTREMES
+    extremes = (step.count + sum(step.folds)) * wp.types.type_size_in_bytes(spec.real) * EXTREMES
     return one + (n - 1) * (two - one) + 8 * Blocks(n, device.is_cuda).count * columns + extremes

@@ -1,7 +1,9 @@
 """What ``warpsph bench`` measures: every family of schemes on a block of particles, and two scenes as they are."""
 
+import functools
 import gc
 import itertools
+import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
@@ -51,7 +53,7 @@ def bench(
         threads: CPU threads; all cores if not given.
         json: File for everything that was measured, written after every case.
         budget: No case is begun after so long [s].
-        progress: Where progress goes.
+        progress: Where progress goes; plain lines to stderr if None.
 
     Returns:
         The tables, for a terminal.
@@ -60,7 +62,7 @@ def bench(
         InputError: An argument is not allowed.
     """
     end = time.monotonic() + budget if budget is not None else float("inf")
-    say = (progress or Progress()).message
+    say = progress.message if progress else functools.partial(print, file=sys.stderr, flush=True)
     found = find_device(device)
     chosen = choose(cases)
     precisions = _checked("precision", precisions or DEFAULT_PRECISIONS, PRECISIONS)

@@ -4,18 +4,17 @@ import time
 from dataclasses import dataclass
 from types import SimpleNamespace
 
-import numpy as np
 import warp as wp
 
-from warpsph.device.launch import Launcher
-from warpsph.kernels.ceilings import CHAINS, make_ceilings
+from warpsph.device.launch import Command, Launcher
+from warpsph.kernels.ceilings import CHAINS, PACKET, make_ceilings
 from warpsph.kernels.spec import Spec
 
 COPIED_CPU, COPIED_CUDA = 1 << 29, 1 << 30
 """Bytes of the array that is copied: more than any cache holds."""
 
-THREADS_CPU, THREADS_CUDA = 1 << 10, 1 << 19
-"""Threads that multiply and add."""
+THREADS_CPU, THREADS_CUDA = 1 << 10, 1 << 20
+"""Threads that multiply and add; of a GPU so many that its last wave of blocks, perhaps a small one, hardly counts."""
 
 ROUNDS = 10_000
 """Multiply-adds of each of a thread's chains."""
@@ -41,8 +40,7 @@ def measure(launcher: Launcher, real: type) -> Ceilings:
     """Measure the ceilings of a device, with its threads, in a precision (``wp.float32`` or ``wp.float64``)."""
     kernels = make_ceilings(Spec(3, real))
     cuda = launcher.device.is_cuda
-    size = np.dtype(wp.dtype_to_numpy(real)).itemsize
-    count = (COPIED_CUDA if cuda else COPIED_CPU) // wp.types.type_size_in_bytes(kernels.packet)
+    count = (COPIED_CUDA if cuda else COPIED_CPU) // PACKET
     threads, rounds = (THREADS_CUDA if cuda else THREADS_CPU), ROUNDS
     with wp.ScopedDevice(launcher.device):
         work = SimpleNamespace(
@@ -51,17 +49,22 @@ def measure(launcher: Launcher, real: type) -> Ceilings:
         )  # fmt: skip
     copy = _fastest(launcher, launcher.bind(kernels.copy, count, work))
     sums = _fastest(launcher, launcher.bind(kernels.multiply_add, threads, work))
-    moved = 2 * count * len(kernels.packet()) * size
-    return Ceilings(bandwidth=moved / copy, flops=2.0 * CHAINS * rounds * threads / sums)
+    return Ceilings(bandwidth=2.0 * PACKET * count / copy, flops=2.0 * CHAINS * rounds * threads / sums)
 
 
-def _fastest(launcher: Launcher, command) -> float:
-    """Shortest wall time of a launch [s]; the first one, which loads the kernel, does not count."""
-    taken = []
-    for _ in range(1 + REPEATS):
-        wp.synchronize_device(launcher.device)
-        start = time.perf_counter()
+def _fastest(launcher: Launcher, command: Command) -> float:
+    """Shortest time of a launch [s]; the first one, which loads the kernel, does not count."""
+    return min([_taken(launcher.device, command) for _ in range(1 + REPEATS)][1:])
+
+
+def _taken(device: wp.Device, command: Command) -> float:
+    """Time of a launch [s]: on CUDA between two events, for the way to the device and back is none of its own."""
+    if device.is_cuda:
+        begin, end = (wp.Event(device, enable_timing=True) for _ in range(2))
+        device.stream.record_event(begin)
         command()
-        wp.synchronize_device(launcher.device)
-        taken.append(time.perf_counter() - start)
-    return min(taken[1:])
+        device.stream.record_event(end)
+        return 1e-3 * wp.get_event_elapsed_time(begin, end)
+    start = time.perf_counter()
+    command()
+    return time.perf_counter() - start

@@ -31,7 +31,7 @@ HEADER = (
 
 @dataclass(frozen=True)
 class Trial:
-    """A layout in one precision, launched in blocks of ``block`` threads (None: Warp's choice; no matter on a CPU)."""
+    """A layout in one precision, launched in blocks of ``block`` threads (None: as all kernels; no matter on a CPU)."""
 
     precision: str
     layout: Layout
@@ -63,7 +63,7 @@ def trials(quick: bool = False) -> Iterator[Trial]:
     if quick:
         return
     for precision in ("float32", "float64"):
-        for block in (64, 128):
+        for block in (64, 256):
             yield Trial(precision, six, block)
             yield Trial(precision, columns, block)
         for registers in (64, 96, 128):

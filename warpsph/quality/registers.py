@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import warp as wp
 
+from warpsph.device.launch import BLOCK
 from warpsph.messages import measuring
 
 from . import report
@@ -18,9 +19,6 @@ NEIGHBOUR_ROWS = {"neigh", "neigh0"}
 
 REGISTERS, WARPS, BLOCKS, PARTITIONS = 65536, 64, 32, 4
 """Of one multiprocessor, on an A100 (sm_80) as on an H100 (sm_90); each partition has its share of the registers."""
-
-BLOCK = 256
-"""Threads of a block: Warp's default."""
 
 _ENTRY_NAME = re.compile(r"(?P<key>\w+)_[0-9a-f]+_cuda_kernel_forward")
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import warp as wp
 
+from warpsph.clock import STAGES
 from warpsph.config import Numerics
 from warpsph.device.blocks import Blocks
 from warpsph.device.launch import Command
@@ -179,12 +180,13 @@ class Scheme(ABC):
         worn = self._worn(bind, tiles) if self.searching else []
         deal = {"chunk": blocks.chunk, "along": blocks.along, "across": blocks.across}
         local = bind(self._timestep.local, blocks.count, **deal)  # dt_a from the state
-        if not blocks.folds:
-            return [*worn, local, bind(self._timestep.decide, 1)]  # dt and verdict
-        few = {"block_dt": "folded_dt", "tile_wear": "folded_wear"}
-        few |= {"block_low": "folded_low", "block_high": "folded_high"}
-        fold, decide = bind(self._timestep.fold, blocks.folds), bind(self._timestep.decide, 1, **few)
-        return [*worn, local, fold, decide]
+        folds, left = [], {}
+        for stage, few in zip(STAGES, blocks.folds, strict=False):
+            found = {f"folded_{name}": f"{stage}_{name}" for name in ("dt", "low", "high", "wear")}
+            folds.append(bind(self._timestep.fold, few, **left, **found))
+            left = {f"block_{name}": f"{stage}_{name}" for name in ("dt", "low", "high")}
+            left |= {"tile_wear": f"{stage}_wear"}
+        return [*worn, local, *folds, bind(self._timestep.decide, 1, **left)]  # dt and verdict
 
     def _worn(self, bind: Bind, tiles: Tiles) -> list[Command]:
         """Whether the neighbour rows still hold every pair."""

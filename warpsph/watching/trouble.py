@@ -8,7 +8,13 @@ from warpsph.clock import Reading
 from warpsph.errors import RunError
 from warpsph.kernels.deformation import SMALLEST_J
 from warpsph.kernels.kernel_type import LAGRANGIAN
-from warpsph.kernels.timestep import ACCELERATION_CFL, INSIDE_OUT, NON_FINITE, VISCOUS_SHARE
+from warpsph.kernels.timestep import (
+    ACCELERATION_CFL,
+    CONTACT_CFL,
+    INSIDE_OUT,
+    NON_FINITE,
+    VISCOUS_SHARE,
+)
 from warpsph.messages import stops
 from warpsph.particles import Particles
 from warpsph.scene import SceneData
@@ -82,21 +88,29 @@ def explain(now: Reading, particles: Particles, data: SceneData, scheme: Scheme)
         return stops.not_finite(
             culprit, broken_fields(particles, i), float(p["rho"][i]), int(p["clipped"][i])
         )
+    limit = _limits(p, data, scheme)
+    i = int(np.argmin(limit))
+    culprit = name_culprit(particles, data, i, now)
     with np.errstate(all="ignore"):  # a state beyond all numbers
-        speed = p["cl"] + VISCOUS_SHARE * p.get("av_switch", 1.0) * (
+        acceleration, speed = (float(np.linalg.norm(p[name][i])) for name in ("dvdt", "v"))
+    return stops.collapsed(culprit, float(limit[i]), float(p["cl"][i]), acceleration, speed)
+
+
+def _limits(p: dict[str, np.ndarray], data: SceneData, scheme: Scheme) -> np.ndarray:
+    """The largest step [s] of each particle, shape [n], as `kernels.timestep` finds it."""
+    with np.errstate(all="ignore"):
+        wave = p["cl"] + VISCOUS_SHARE * p.get("av_switch", 1.0) * (
             scheme.viscosity_alpha * p["cs"] + scheme.viscosity_beta * p["mu"]
         )
         acceleration = np.linalg.norm(p["dvdt"], axis=1)
         apart = np.linalg.norm(
             p["v"] - np.median(p["v"], axis=0), axis=1
         )  # makes the box of velocities large
-        limits = (
-            data.numerics.cfl * data.h / speed,
+        limits = [
+            data.numerics.cfl * data.h / wave,
             ACCELERATION_CFL * np.sqrt(data.h / np.maximum(acceleration, 1e-300)),
             scheme.leap * data.h / np.maximum(apart, 1e-300),
-        )
-    limit = np.min(limits, axis=0)
-    i = int(np.argmin(limit))
-    culprit = name_culprit(particles, data, i, now)
-    moving = float(np.linalg.norm(p["v"][i]))
-    return stops.collapsed(culprit, float(limit[i]), float(p["cl"][i]), float(acceleration[i]), moving)
+        ]
+        if "contact_rate" in p:
+            limits.append(CONTACT_CFL / np.sqrt(np.maximum(p["contact_rate"], 1e-300)))
+    return np.min(limits, axis=0)
