@@ -126,6 +126,7 @@ class Solver:
         )  # fmt: skip
         self._bound = -1
         self._batch = 1  # steps until the next reading of the clock
+        self.neighbours.block.let_go = self._drop_step
         self._initialise()
         self.reading = self._clock.read()
 
@@ -259,6 +260,11 @@ class Solver:
             plan = self._scheme.plan(self._bind, self._step_blocks, self.neighbours.tiles)
             self.program.bind(self._scheme.step(self._bind), plan)
             self._bound = self.neighbours.generation
+
+    def _drop_step(self) -> None:
+        """Let go of the launches of a step, and of the arrays that they are bound to."""
+        self._bound = -1
+        self.program.bind([], [])
 
     def _plan(self) -> Reading:
         """Let the device judge the next step, without having taken one."""

@@ -30,12 +30,15 @@ class Block:
     Attributes:
         lines: The memory.
         generation: Changes when it has moved.
+        let_go: Called before it moves: whoever keeps views of it, as bound launches do, drops them, for they would keep
+            the old memory beside the new.
     """
 
     def __init__(self, device: wp.Device):
         """Start with next to nothing; every use makes it as large as it needs."""
         self._device, self.generation = device, 0
         self._bound: dict[Hashable, Any] = {}
+        self.let_go: Callable[[], None] = lambda: None
         self.lines = wp.empty(1, dtype=LINE, device=device)
 
     @property
@@ -66,6 +69,7 @@ class Block:
     def release(self) -> None:
         """Give the memory back: there is no further use."""
         self._bound.clear()
+        self.let_go()
         self.lines = wp.empty(1, dtype=LINE, device=self._device)
         self.generation += 1
 

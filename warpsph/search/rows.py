@@ -143,6 +143,16 @@ class Rows:
         if self._expecting and not self._typical:
             counts = self.n_neigh.numpy()
             self._typical = int(counts.sum() / max(np.count_nonzero(counts), 1))
+        totals = self._lay_out()
+        if min(totals) < 0 or max(totals) > MOST_ENTRIES:
+            raise stops.crowded(min(LENGTH, self._n), MOST_ENTRIES)
+        if any(total > room for total, room in zip(totals, self._rooms, strict=True)):
+            self._rooms = [min(max(int(self._policy.growth * total), 1), MOST_ENTRIES) for total in totals]
+            self._block.grow(self.capacity)
+            self._layouts += 1
+
+    def _lay_out(self) -> list[int]:
+        """Find where each row starts; gives the entries of each piece. It keeps no view of the block, which may move next."""
         (room,) = self._block.views((wp.int32, self._starts.size))
         room.zero_()  # the last of a piece stays 0: its scan ends in the total
         self._launcher.launch(
@@ -153,12 +163,7 @@ class Rows:
             starts = self._starts[first + k : last + k + 1]
             wp.utils.array_scan(room[first + k : last + k + 1], starts, inclusive=False)
             totals.append(int(starts[last - first :].numpy()[0]))
-        if min(totals) < 0 or max(totals) > MOST_ENTRIES:
-            raise stops.crowded(min(LENGTH, self._n), MOST_ENTRIES)
-        if any(total > room for total, room in zip(totals, self._rooms, strict=True)):
-            self._rooms = [min(max(int(self._policy.growth * total), 1), MOST_ENTRIES) for total in totals]
-            self._block.grow(self.capacity)
-            self._layouts += 1
+        return totals
 
     def mean_count(self) -> float:
         """Mean length of the rows."""
