@@ -15,6 +15,9 @@ from .kernel_type import ERODED, EULERIAN
 from .lanes import make_lanes, make_reads
 from .spec import Spec
 
+KEY_BITS = 10
+"""Bits of a coordinate in a tile's key."""
+
 
 class TileKernels(NamedTuple):
     """Kernels of this file."""
@@ -65,13 +68,13 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
         key: wp.array[wp.int32],
         member: wp.array[wp.int32],
     ):
-        """Key of a particle's tile: ten bits of each coordinate; tiles 1024 apart share one and count as one."""
+        """Key of a particle's tile: `KEY_BITS` of each coordinate; tiles 2^`KEY_BITS` apart share one and count as one."""
         i = wp.tid() + offset
-        low = wp.int32(1023)
+        low = wp.int32(wp.static(2**KEY_BITS - 1))
         key[i] = (
             (cell(x[i][0], width) & low)
-            | ((cell(x[i][1], width) & low) << 10)
-            | ((cell(x[i][2], width) & low) << 20)
+            | ((cell(x[i][1], width) & low) << KEY_BITS)
+            | ((cell(x[i][2], width) & low) << wp.static(2 * KEY_BITS))
         )
         member[i] = i
 

@@ -85,10 +85,11 @@ def test_kernels_of_the_ceilings_do_what_is_counted(precision):
     kernels, launcher, n = make_ceilings(precision), Launcher("cpu", 2), 1500
     real = np.dtype(wp.dtype_to_numpy(precision.real))
     numbers = np.arange(n * PACKET // real.itemsize, dtype=real).reshape(n, -1)
-    source, target = wp.array(numbers, dtype=kernels.packet), wp.zeros(n, dtype=kernels.packet)
+    with wp.ScopedDevice("cpu"):
+        source, target = wp.array(numbers, dtype=kernels.packet), wp.zeros(n, dtype=kernels.packet)
+        total = wp.zeros(n, dtype=precision.real)
     launcher.launch(kernels.copy, n, source=source, target=target)
     np.testing.assert_array_equal(target.numpy(), numbers)
-    total = wp.zeros(n, dtype=precision.real)
     launcher.launch(kernels.multiply_add, n, rounds=3, factor=0.5, total=total)
     first = np.arange(n)[:, None] + np.arange(CHAINS)
     for _ in range(3):

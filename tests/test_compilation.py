@@ -8,6 +8,7 @@ from tools import DOUBLE, collision, scene
 from warpsph import solver
 from warpsph.config import Contact, Conversion
 from warpsph.device.launch import Launcher
+from warpsph.device.score import Score
 from warpsph.kernels.constitutive import laws_text, make_constitutive
 from warpsph.shapes import Box
 from warpsph.solver import Solver
@@ -37,7 +38,7 @@ def alone(scheme):
 )
 def test_the_modules_of_a_run_are_loaded_at_its_start(make, monkeypatch):
     loaded, launched, late = set(), set(), []
-    load, bind = solver.compile_modules, Launcher.bind
+    load, bind, record = solver.compile_modules, Launcher.bind, Score._launch
 
     def recorded_load(kernels, device):
         loaded.update(kernel.module.name for kernel in kernels)
@@ -48,7 +49,12 @@ def test_the_modules_of_a_run_are_loaded_at_its_start(make, monkeypatch):
         launched.add(kernel.module.name)
         return bind(self, kernel, *args, **named)
 
+    def recorded_record(self, kernel, *args):
+        launched.add(kernel.module.name)
+        record(self, kernel, *args)
+
     monkeypatch.setattr(solver, "compile_modules", recorded_load)
+    monkeypatch.setattr(Score, "_launch", recorded_record)
     monkeypatch.setattr(Launcher, "bind", recorded_bind)
     run = Solver(make().finalize())
     run.prepare()

@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from warpsph.quality import gpu_check
+from warpsph.quality import gpu_check, gpu_stages
 from warpsph.quality.gpu_check import LIMITS, Sheet, run_stage, write_report
 from warpsph.quality.gpu_stages import STAGES, WORST, Comparison, compare_one, comparisons, impact, judge
 from warpsph.schemes import SCHEMES
@@ -87,3 +87,45 @@ def test_a_stage_that_crashes_costs_no_other(tmp_path, monkeypatch, capsys):
     code = gpu_check.main(["--device", "cuda:99", "--quick", "--out", str(tmp_path)])
     told = capsys.readouterr().out
     assert code == 1 and "facts" in told and "graph" in told and told.count("ended with code 1") == 2
+    assert (tmp_path / "report.md").read_text().count("(cut off)\n\n**failed:** ended with code 1") == 2
+
+
+def test_a_stage_has_the_time_that_is_left_when_it_begins(tmp_path, monkeypatch):
+    """Not counted from when its process has come to life, which may take seconds."""
+    seen = []
+    monkeypatch.setattr(gpu_check, "LIMITS", {"facts": 60})
+    monkeypatch.setattr(
+        gpu_check, "run_stage", lambda command, log, limit: seen.append((command, limit)) or ""
+    )
+    start = time.monotonic()
+    gpu_check.main(["--out", str(tmp_path)])
+    ((command, limit),) = seen
+    told = float(command[command.index("--deadline") + 1])
+    assert told - start == pytest.approx(60.0 - gpu_check.TAIL, abs=1.0)
+    assert limit == pytest.approx(60.0, abs=1.0)
+
+
+def test_tests_that_do_not_stop_are_killed(tmp_path, monkeypatch):
+    """What the stage knows is in the report all the same."""
+    monkeypatch.setattr(gpu_stages, "TAIL_OF_TESTS", 0.1)
+    code = "import signal, time; signal.signal(signal.SIGINT, signal.SIG_IGN); time.sleep(60)"
+    fake = tmp_path / "python"
+    fake.write_text(f"#!/bin/sh\nexec {sys.executable} -c '{code}'\n")
+    fake.chmod(0o755)
+    monkeypatch.setattr(gpu_stages.sys, "executable", str(fake))
+    sheet = Sheet(tmp_path / "tests.json", "Tests", ("passed", "failed", "skipped"))
+    start = time.monotonic()
+    gpu_stages.tests(sheet, "cpu", True, start + 1.0)
+    assert time.monotonic() - start < 20.0
+    assert "Stopped at the time limit" in sheet.notes[0] and sheet.failed == ["no test passed"]
+
+
+def test_a_comparison_whose_time_is_up_does_not_wait_for_its_workers(tmp_path, monkeypatch):
+    submit = gpu_stages.ProcessPoolExecutor.submit
+    asleep = lambda pool, *given: submit(pool, time.sleep, 60.0)  # noqa: E731
+    monkeypatch.setattr(gpu_stages, "comparisons", lambda quick: ["a case"])
+    monkeypatch.setattr(gpu_stages.ProcessPoolExecutor, "submit", asleep)
+    sheet = Sheet(tmp_path / "compare.json", "Comparison", ("scheme",))
+    start = time.monotonic()
+    gpu_stages.compare(sheet, "cpu", True, start + 1.0)
+    assert time.monotonic() - start < 20.0 and "1 of 1 were not reached." in sheet.notes

@@ -8,12 +8,14 @@ import pytest
 import warp as wp
 from tools import DOUBLE, PLASTIC
 
+from warpsph.device import score
 from warpsph.device.launch import SMALLEST_LIGHT_SLICE, Launcher
 from warpsph.device.subnormals import can_flush
 from warpsph.device.team import Team
 from warpsph.errors import InputError
 from warpsph.kernels.constitutive import make_constitutive
 from warpsph.kernels.spec import Spec
+from warpsph.kernels.team import LEFT, make_team
 from warpsph.materials import pack
 
 SINGLE = {dim: Spec(dim, wp.float32) for dim in DOUBLE}
@@ -128,7 +130,7 @@ def test_too_few_threads_are_refused(threads):
 
 @pytest.mark.parametrize("device", ["cuda:99", "gpu", ""])
 def test_an_unknown_device_is_refused(device):
-    with pytest.raises(InputError, match="is unknown; allowed: cpu"):
+    with pytest.raises(InputError, match=r"is unknown.*; allowed: cpu"):
         Launcher(device)
 
 
@@ -184,3 +186,38 @@ def test_subnormal_numbers_are_zero_in_kernels_and_nowhere_else(threads):
     launcher.launch(scale, n, factor=0.5, source=wp.array(source, device="cpu"), target=target)
     assert not target.numpy().any()
     assert (0.5 * source).all()
+
+
+@pytest.mark.parametrize(
+    ("main", "fault"), [(True, KeyboardInterrupt), (True, ValueError), (False, ValueError)]
+)
+def test_threads_do_not_wait_for_one_that_does_not_come(main, fault):
+    """Interrupted or failed: the others are told, end, and what was the matter is raised."""
+    left, ended = threading.Event(), []
+
+    def fail():
+        raise fault("no")
+
+    def wait():
+        ended.append(left.wait(10.0))
+
+    with pytest.raises(fault):
+        Team(3).together([fail, wait, wait] if main else [wait, fail, wait], left.set)
+    assert ended == [True, True]
+
+
+def test_a_meeting_ends_when_all_have_come_or_one_has_left():
+    meet, give_way = make_team(DOUBLE[1]).meet, score._give_way()
+    meeting = wp.zeros(2, dtype=wp.int64, device="cpu")
+    alone = [wp.full(1, -1, dtype=wp.int32, device="cpu") for _ in range(2)]
+    comings = [wp.launch(meet, 1, [0, 2, give_way, meeting, a], device="cpu", record_cmd=True) for a in alone]
+    helper = threading.Thread(target=comings[1].launch)
+    helper.start()
+    time.sleep(0.01)
+    assert alone[1].numpy()[0] == -1 and helper.is_alive()
+    comings[0].launch()
+    helper.join()
+    assert [int(a.numpy()[0]) for a in alone] == [0, 0]
+    meeting.numpy()[LEFT] = 1
+    comings[0].launch()
+    assert alone[0].numpy()[0] == 1

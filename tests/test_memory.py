@@ -3,6 +3,7 @@
 import itertools
 import json
 import re
+import weakref
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -277,6 +278,7 @@ def test_a_run_says_what_it_needs_before_it_allocates(monkeypatch):
 
 
 def test_a_run_that_cannot_fit_is_refused_with_what_would(monkeypatch):
+    monkeypatch.setattr(wp, "get_cuda_devices", list)  # none to go to, wherever this runs
     made = small(3).finalize()
     need = Solver(made).need.on_device
     monkeypatch.setattr(available, "on_host", lambda: int(0.9 * need))
@@ -303,6 +305,7 @@ def test_outputs_count_where_they_are_made(monkeypatch):
 
 
 def test_a_gpu_is_held_against_its_own_memory_and_the_host_against_the_copies(monkeypatch):
+    monkeypatch.setattr(wp, "get_cuda_devices", list)  # none to go to, wherever this runs
     gpu = SimpleNamespace(is_cuda=True, is_cpu=False, alias="cuda:0")
     need = Need(1000, {"fields": 600_000}, 2, 100_000, later=50_000)
     monkeypatch.setattr(available, "on_device", lambda device: 1_000_000)
@@ -359,6 +362,29 @@ def test_the_address_space_is_a_limit(tmp_path):
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
+@pytest.mark.parametrize("scheme", ["sav1", "ts2"])
+def test_rows_that_outgrow_their_memory_are_gone_before_they_get_more(device, monkeypatch, scheme):
+    """No launch that was bound to them keeps them: a run never has two sets of rows."""
+    solver = run(collision(3, scheme=scheme), 1e-6, device=str(device))
+    block, search = solver.neighbours.block, solver.neighbours.search
+    old, empty, seen = [weakref.ref(block.lines)], wp.empty, []
+
+    def watched(size, dtype, device):
+        made = empty(size, dtype=dtype, device=device)
+        if size > 1:
+            seen.append(old[-1]() is None)
+            old.append(weakref.ref(made))
+        return made
+
+    monkeypatch.setattr(wp, "empty", watched)
+    search._rooms = [1]
+    search._starts.zero_()
+    block.release()
+    solver.relist()
+    assert len(seen) > 1 and all(seen)  # sorting takes some first, then the rows
+    solver.advance(2e-6)
+
+
 def test_rows_that_outgrow_memory_stop_the_run_with_its_last_snapshot(monkeypatch, tmp_path):
     """The block asks for more than there is in the middle of a run."""
     grow, asked = Block.grow, []
@@ -405,6 +431,29 @@ def test_memory_that_runs_out_elsewhere_stops_the_run_in_one_line(trouble, monke
             run_scene(small(), tmp_path / "out", frames=False)
     message = str(stopped.value)
     assert "\n" not in message and message.count("out of memory") == 1
+
+
+def test_a_gpu_that_fails_ends_the_run_in_one_line(monkeypatch, tmp_path):
+    """Whatever is asked of it from then on fails too: the last snapshot is the one before."""
+    failure = "Warp copy error: CUDA error 700: an illegal memory access was encountered"
+    advance = Solver.advance
+
+    def fail(*_):
+        raise RuntimeError(failure)
+
+    def advance_once(solver, *given):
+        advance(solver, *given)
+        monkeypatch.setattr(Solver, "advance", fail)
+        monkeypatch.setattr(Solver, "save", fail)
+
+    monkeypatch.setattr(Solver, "advance", advance_once)
+    with pytest.raises(RunError) as stopped, exhaustion.told():
+        run_scene(small(), tmp_path / "out", frames=False)
+    assert re.fullmatch(
+        rf"the GPU has failed \({failure}\); a run goes on from its checkpoint with `warpsph resume`; "
+        r"last snapshot: .*test_0000.vtkhdf",
+        str(stopped.value),
+    )
 
 
 def test_a_block_without_memory_stays_usable(monkeypatch):

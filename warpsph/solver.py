@@ -119,14 +119,14 @@ class Solver:
         self.reference = self._find_reference()
         self._constants = SimpleNamespace(h=h, spacing=data.spacing, cfl=data.numerics.cfl)
         self._work = self._allocate_work()
-        self.program = Program(self.launcher)
+        self.program = Program(self.launcher, self._spec)
         self.watch = Watch(
             data, self.particles, groups=self._scheme.groups, reach=self.neighbours.radius,
             bind=self._bind, blocks=self._blocks.count,
         )  # fmt: skip
-        self._planning: list[Command] = []
         self._bound = -1
         self._batch = 1  # steps until the next reading of the clock
+        self.neighbours.block.let_go = self._drop_step
         self._initialise()
         self.reading = self._clock.read()
 
@@ -190,7 +190,7 @@ class Solver:
 
     def _kernels(self) -> set[wp.Kernel]:
         """The kernels of this run, launched or of one module with those that are."""
-        found = kernels_of(self, self._scheme, self.neighbours.cells, self.watch) | set(
+        found = kernels_of(self, self._scheme, self.neighbours.cells, self.watch, self.program) | set(
             make_sort(self._spec).values()
         )
         if self.reference is not None:
@@ -257,16 +257,20 @@ class Solver:
     def _bind_step(self) -> None:
         """Bind the launches of a step again if neighbour rows have moved in memory."""
         if self._bound != self.neighbours.generation:
-            self._planning = self._scheme.plan(self._bind, self._step_blocks, self.neighbours.tiles)
-            self.program.bind(self._scheme.step(self._bind) + self._planning)
+            plan = self._scheme.plan(self._bind, self._step_blocks, self.neighbours.tiles)
+            self.program.bind(self._scheme.step(self._bind), plan)
             self._bound = self.neighbours.generation
+
+    def _drop_step(self) -> None:
+        """Let go of the launches of a step, and of the arrays that they are bound to."""
+        self._bound = -1
+        self.program.bind([], [])
 
     def _plan(self) -> Reading:
         """Let the device judge the next step, without having taken one."""
         self._bind_step()
         self._clock.dt.zero_()
-        for command in self._planning:
-            command()
+        self.program.plan()
         return self._clock.read()
 
     def _run_steps(self, count: int) -> None:

@@ -12,16 +12,19 @@ import warp as wp
 from warpsph.messages import values
 
 from .subnormals import Flushing
-from .team import Team
+from .team import Team, Work, run_all
 
-SLICES_PER_THREAD = 2
+SLICES_PER_THREAD = 4
 """A CPU launch is cut into this many slices per thread, taken as they come: uneven rows balance out."""
 
-SMALLEST_SLICE = 512
+SMALLEST_SLICE = 128
 """Particles below which a launch of a kernel with much to do for each is not cut further."""
 
-SMALLEST_LIGHT_SLICE = 10000
-"""The same for other kernels: to wake a thread takes as long as they do for fewer."""
+SMALLEST_LIGHT_SLICE = 1024
+"""The same for other kernels."""
+
+WORTH_WAKING = 100000
+"""Particles from which on it is worth to wake threads for a launch of such a kernel by itself."""
 
 BLOCK = 128
 """Threads of a block on CUDA. No smaller share of a multiprocessor's registers is left over with it than with 256, and a
@@ -63,22 +66,19 @@ class Pieces:
 
 
 class Command:
-    """A launch with its arguments bound: call it as often as you like."""
+    """A launch with its arguments bound: call it as often as you like.
 
-    def __init__(
-        self, launcher: "Launcher", kernel: wp.Kernel, dim: int, args: list, most: int, block: int | None
-    ):
-        self._launcher = launcher
-        options = {"device": launcher.device, "block_dim": block or threads_of_block(launcher.device)}
-        self._slices = []
-        lengths = [arg.length for arg in args if isinstance(arg, Pieces)]
-        for first, size in launcher.slices(dim, most, min(lengths, default=dim)):
-            given = [arg.serving(first) if isinstance(arg, Pieces) else arg for arg in args]
-            self._slices.append(wp.launch(kernel, size, [first, *given], record_cmd=True, **options))
+    Attributes:
+        slices: The launch in pieces that threads may share.
+    """
+
+    def __init__(self, launcher: "Launcher", slices: list[wp.Launch], worth: bool):
+        """Take recorded slices; ``worth``: waking a thread to share them is."""
+        self._launcher, self.slices, self._worth = launcher, slices, worth
 
     def __call__(self) -> None:
         """Run it; returns when the work is done (CPU) or queued (CUDA)."""
-        self._launcher.execute(self._slices)
+        self._launcher.execute(self.slices, self._worth)
 
 
 class Launcher:
@@ -117,14 +117,27 @@ class Launcher:
         edges = sorted({*edges, *range(0, dim, length or dim)})
         return [(a, b - a) for a, b in itertools.pairwise(edges) if b > a]
 
-    def execute(self, slices: list[wp.Launch]) -> None:
-        """Run recorded slices, shared by the team where there are several."""
+    def execute(self, slices: list[wp.Launch], worth: bool = True) -> None:
+        """Run recorded slices, shared by the team where there are several and it is ``worth`` to wake it."""
+        pieces = [piece.launch for piece in slices]
         with self.arithmetic:
-            if len(slices) == 1 or self._team is None:
-                for piece in slices:
-                    piece.launch()
+            self.share(pieces) if worth else run_all(pieces)
+
+    def share(self, works: list[Work]) -> None:
+        """Run pieces of work that do not depend on each other, by as many threads as there are; none shares its own."""
+        with self.arithmetic:
+            if self._team is None or len(works) == 1:
+                run_all(works)
             else:
-                self._team.share([piece.launch for piece in slices])
+                self._team.share(works)
+
+    def together(self, works: list[Work], leave: Work) -> None:
+        """Run a piece of work for each thread, see `Team.together`."""
+        with self.arithmetic:
+            if self._team is None:
+                works[0]()
+            else:
+                self._team.together(works, leave)
 
     def bind(
         self,
@@ -160,8 +173,27 @@ class Launcher:
                     raise TypeError(f"{kernel.key}: no value for argument {value!r}")
                 value = getattr(owner, value)
             args.append(_checked(kernel, var, name, value))
-        smallest = SMALLEST_LIGHT_SLICE if LABOUR.isdisjoint(_names(kernel)) else SMALLEST_SLICE
-        return Command(self, kernel, dim, args, (particles or dim) // smallest, block)
+        light = LABOUR.isdisjoint(_names(kernel))
+        slices = self._record(
+            kernel,
+            dim,
+            args,
+            (particles or dim) // (SMALLEST_LIGHT_SLICE if light else SMALLEST_SLICE),
+            block,
+        )
+        return Command(self, slices, not light or (particles or dim) >= WORTH_WAKING)
+
+    def _record(
+        self, kernel: wp.Kernel, dim: int, args: list, most: int, block: int | None
+    ) -> list[wp.Launch]:
+        """Record a launch in at most so many slices."""
+        options = {"device": self.device, "block_dim": block or threads_of_block(self.device)}
+        lengths = [arg.length for arg in args if isinstance(arg, Pieces)]
+        recorded = []
+        for first, size in self.slices(dim, most, min(lengths, default=dim)):
+            given = [arg.serving(first) if isinstance(arg, Pieces) else arg for arg in args]
+            recorded.append(wp.launch(kernel, size, [first, *given], record_cmd=True, **options))
+        return recorded
 
     def launch(self, kernel: wp.Kernel, dim: int, *sources: object, **named: object) -> None:
         """Bind and run once."""

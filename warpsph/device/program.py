@@ -1,55 +1,65 @@
-"""The launches of a step as one thing to run: on a GPU a CUDA graph, captured once and replayed."""
+"""The launches of a step as one thing to run: recorded once and replayed, on a GPU as a CUDA graph."""
 
 import warnings
 
-import warp as wp
+from warpsph.kernels.spec import Spec
+from warpsph.kernels.team import make_team
 
 from .launch import Command, Launcher
+from .score import Score
 
 
 class Program:
-    """Launches that are run over and over, in order.
+    """Launches that are run over and over, in order: a plan of the next step, and steps that end with it.
 
-    A launch costs the host some microseconds, a replayed graph of all of them as much as one. A captured launch may
-    neither allocate nor wait for the device: those of a step do neither, dt = 0 in device memory makes a step void.
+    A launch costs the host some microseconds, and a tenth of a millisecond where a thread is woken to share it; to replay
+    all of them costs as much as one. What is replayed may neither allocate nor wait for the device: the launches of a
+    step do neither, dt = 0 in device memory makes a step void.
 
     Attributes:
-        captured: Replay a graph (on CUDA, unless its capture has failed) instead of launching one by one.
+        captured: Replay a `Score` (unless recording it has failed) instead of launching one by one.
     """
 
-    def __init__(self, launcher: Launcher):
-        self.captured = launcher.device.is_cuda
-        self._device = launcher.device
-        self._arithmetic = launcher.arithmetic
-        self._commands: list[Command] = []
-        self._graph: wp.Graph | None = None
+    def __init__(self, launcher: Launcher, spec: Spec):
+        self.captured = True
+        self._launcher, self._kernels = launcher, make_team(spec) if launcher.device.is_cpu else None
+        self._step: list[Command] = []
+        self._plan: list[Command] = []
+        self._scores: dict[int, Score] = {}
 
-    def bind(self, commands: list[Command]) -> None:
-        """Take other launches, or the same ones after arrays have moved in memory: an older graph is dropped."""
-        self._commands, self._graph = commands, None
+    def bind(self, step: list[Command], plan: list[Command]) -> None:
+        """Take other launches, or the same ones after arrays have moved in memory: older scores are dropped."""
+        self._step, self._plan, self._scores = [*step, *plan], plan, {}
 
     def run(self, count: int) -> None:
-        """Run everything ``count`` times; the first time after `bind` one by one, so that all code is on the device."""
-        with self._arithmetic:
+        """Take ``count`` steps; the first one after `bind` one by one, so that all code is on the device."""
+        self._run(self._step, count)
+
+    def plan(self) -> None:
+        """Plan a step without taking one."""
+        self._run(self._plan, 1)
+
+    def _run(self, commands: list[Command], count: int) -> None:
+        if self.captured and count > 0 and id(commands) not in self._scores:
+            self._launch(commands, 1)
+            count -= 1
+            self._record(commands)
+        if not self.captured:
+            self._launch(commands, count)
+        elif count > 0:
+            self._scores[id(commands)].play(count)
+
+    def _launch(self, commands: list[Command], count: int) -> None:
+        with self._launcher.arithmetic:
             for _ in range(count):
-                if self.captured and self._graph is not None:
-                    wp.capture_launch(self._graph)
-                    continue
-                self._launch()
-                if self.captured:
-                    self._graph = self._capture()
+                for command in commands:
+                    command()
 
-    def _launch(self) -> None:
-        for command in self._commands:
-            command()
-
-    def _capture(self) -> wp.Graph | None:
-        """Record the launches without running them; a device that cannot is told so once."""
+    def _record(self, commands: list[Command]) -> None:
+        """Record launches without running them; a device that cannot is told so once."""
         try:
-            with wp.ScopedCapture(self._device) as capture:
-                self._launch()
+            self._scores[id(commands)] = Score(self._launcher, self._kernels, commands)
         except RuntimeError as error:
             self.captured = False
-            warnings.warn(f"no CUDA graph on {self._device}, launching one by one: {error}", stacklevel=2)
-            return None
-        return capture.graph
+            device = self._launcher.device
+            warnings.warn(f"no graph on {device}, launching one by one: {error}", stacklevel=4)

@@ -1,7 +1,8 @@
 """Threads that share a launch."""
 
+import functools
 import weakref
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from queue import SimpleQueue
 from threading import Thread
 
@@ -40,6 +41,44 @@ class Team:
         for failure in filter(None, failures):
             raise failure
 
+    def together(self, works: list[Work], leave: Work) -> None:
+        """Run a piece of work for each thread, in which they wait for each other; returns when all are done.
+
+        Args:
+            works: The caller's first.
+            leave: Told if a thread has ended early, so that the others wait for it no longer.
+
+        Raises:
+            Exception: What a thread raised.
+        """
+
+        def whole(work: Work) -> None:
+            try:
+                work()
+            except BaseException:
+                leave()
+                raise
+
+        ended, asked, failures = SimpleQueue(), 0, []
+        try:
+            for jobs, work in zip(self._jobs, works[1:], strict=True):
+                jobs.put((iter([functools.partial(whole, work)]), ended))
+                asked += 1
+            failures.append(_work(iter([functools.partial(whole, works[0])])))
+        except BaseException:  # interrupted between two lines of this
+            leave()
+            raise
+        finally:
+            failures += [ended.get() for _ in range(asked)]
+        for failure in filter(None, failures):
+            raise failure
+
+
+def run_all(pieces: Iterable[Work]) -> None:
+    """Run pieces one after the other."""
+    for piece in pieces:
+        piece()
+
 
 def _help(jobs: SimpleQueue) -> None:
     flush()
@@ -51,8 +90,7 @@ def _help(jobs: SimpleQueue) -> None:
 def _work(rest: Iterator[Work]) -> Exception | None:
     """Run pieces as long as there are any; gives what went wrong."""
     try:
-        for piece in rest:
-            piece()
+        run_all(rest)
     except Exception as error:
         return error
     return None

@@ -73,7 +73,7 @@ def estimate(
     fields = [types[f.kind] for f in of_groups(scheme.groups)]
     state = n * sum(map(size, fields))
     rows, all_rows, beside = _rows(data, spec, scheme, policy, device)
-    work = _work_space(n, data, spec, scheme, max(map(size, fields)))
+    work = _work_space(n, data, scheme, max(map(size, fields)), device)
     neighbours = max(rows, work) if scheme.searching else 0
     found = {"fields": state, "neighbours": neighbours + beside, "work": _work(n, spec, scheme, device)}
     if "lagrangian" in scheme.groups:
@@ -124,11 +124,12 @@ def _entries(n: int, counts: np.ndarray, policy: Policy) -> float:
     return -(-n // columns) * columns * float(rooms.mean())
 
 
-def _work_space(n: int, data: SceneData, spec: Spec, scheme: Scheme, largest: int) -> int:
-    """Bytes that rebuilding the rows works in: sorting, tiles, and a field that changes its order."""
+def _work_space(n: int, data: SceneData, scheme: Scheme, largest: int, device: wp.Device) -> int:
+    """Bytes that rebuilding the rows works in: sorting and tiles, at a time on a CPU; a field that changes its order."""
     radius = scheme.support * data.h + data.numerics.skin * data.h
-    cells = _cells(data, radius, [axis for axis, _ in data.planes])
-    return max(16 * n + 4 * cells, 24 * n, largest * n) + 4 * wp.types.type_size_in_bytes(LINE)
+    cells, tiles = 16 * n + 4 * _cells(data, radius, [axis for axis, _ in data.planes]), 24 * n
+    both = cells + tiles if device.is_cpu else max(cells, tiles)
+    return max(both, largest * n) + 8 * wp.types.type_size_in_bytes(LINE)
 
 
 def _cells(data: SceneData, reach: float, mirrored: list[int]) -> int:

@@ -67,6 +67,11 @@ def out_of_memory(reason: str) -> RunError:
     )
 
 
+def device_failed(reason: str) -> RunError:
+    """A GPU has failed, for whatever reason; the reason is what Warp says."""
+    return RunError(f"the GPU has failed ({reason}); a run goes on from its checkpoint with `warpsph resume`")
+
+
 def size(count: float) -> str:
     """Bytes for people: ``38.2 MB``."""
     if count >= 1e21:

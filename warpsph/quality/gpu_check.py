@@ -101,10 +101,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--quick", action="store_true", help="small sizes and few rows: a rehearsal")
     parser.add_argument("--out", type=Path, default=Path(os.environ.get("OUT", "gpu_check")))
     parser.add_argument("--stage", choices=LIMITS, help="only this one")
-    parser.add_argument("--seconds", type=float, help="for a stage: time until it should end")
+    parser.add_argument(
+        "--deadline", type=float, help="of a stage: when it should end, as time.monotonic has it"
+    )
     given = parser.parse_args(arguments)
     given.out.mkdir(parents=True, exist_ok=True)
-    if given.seconds is not None:
+    if given.deadline is not None:
         return _one_stage(given)
     end = time.monotonic() + sum(LIMITS.values())
     stages = [given.stage] if given.stage else list(LIMITS)
@@ -117,12 +119,24 @@ def _watched(stage: str, later: list[str], end: float, given: argparse.Namespace
     """Run a stage in its share of the time; tells whether something failed."""
     left = end - time.monotonic() - sum(LIMITS[name] for name in later)
     command = [sys.executable, "-m", "warpsph.quality.gpu_check", "--stage", stage, "--device", given.device]
-    command += ["--out", str(given.out), "--seconds", f"{left - TAIL:.0f}", *["--quick"] * given.quick]
     start = time.monotonic()
+    command += [
+        "--out",
+        str(given.out),
+        "--deadline",
+        f"{start + left - TAIL:.1f}",
+        *["--quick"] * given.quick,
+    ]
     trouble = run_stage(command, given.out / "log.txt", left)
     path = given.out / f"{stage}.json"
-    failed = json.loads(path.read_text())["failed"] if path.is_file() else ["nothing was written"]
-    ending = "; ".join(filter(None, [trouble, *failed])) or "well"
+    found = (
+        json.loads(path.read_text()) if path.is_file() else {"failed": ["nothing was written"], "done": True}
+    )
+    ending = "; ".join(filter(None, [trouble, *found["failed"]])) or "well"
+    if trouble and not found["done"]:
+        found["failed"].append(trouble)
+        atomic.write(path, json.dumps(found, indent=1).encode())
+        write_report(given.out)
     print(f"{stage}: {time.monotonic() - start:.0f} s of {left:.0f}: {ending}", flush=True)
     return ending != "well"
 
@@ -133,7 +147,7 @@ def _one_stage(given: argparse.Namespace) -> int:
     stage = gpu_stages.STAGES[given.stage]
     sheet = Sheet(given.out / f"{given.stage}.json", stage.title, stage.header)
     sheet.write()
-    stage.run(sheet, given.device, given.quick, time.monotonic() + given.seconds)
+    stage.run(sheet, given.device, given.quick, given.deadline)
     sheet.done = True
     sheet.write()
     return int(bool(sheet.failed))

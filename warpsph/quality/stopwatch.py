@@ -40,9 +40,9 @@ def _host_times(solver: Solver, spent: dict[str, float]) -> Iterator[None]:
     execute, build = launcher.execute, neighbours.build
     building = False
 
-    def timed_execute(slices):
+    def timed_execute(slices, *options):
         start = time.perf_counter()
-        execute(slices)
+        execute(slices, *options)
         if not building:
             spent[short_name(slices[0].kernel.key)] += time.perf_counter() - start
 
@@ -55,7 +55,8 @@ def _host_times(solver: Solver, spent: dict[str, float]) -> Iterator[None]:
 
     launcher.execute, neighbours.build = timed_execute, timed_build
     try:
-        yield
+        with one_by_one(solver):
+            yield
     finally:
         del launcher.execute, neighbours.build  # the methods of the class again
 

@@ -152,13 +152,13 @@ def touched_by(solver: Solver, work: Callable[[], None]) -> dict[str, int]:
     launcher, n = solver.launcher, solver.particles.n
     execute, calls, size = launcher.execute, Counter(), {}
 
-    def looking(slices: list[wp.Launch]) -> None:
+    def looking(slices: list[wp.Launch], *options: bool) -> None:
         kernel = slices[0].kernel
         name = short_name(kernel.key)
         calls[name] += 1
         if name not in size:
             size[name] = _per_particle(kernel, slices[0].params[1:], n)
-        execute(slices)
+        execute(slices, *options)
 
     steps, launcher.execute = solver.reading.steps, looking
     try:

@@ -159,7 +159,7 @@ class Job:
             with exhaustion.told():
                 self._last_words(str(error), "failed", whole=not isinstance(error, DiskError))
         except Exception as another:  # whatever it is must not hide why the run stopped
-            lost = another
+            lost = another if str(another) != str(error) else None
         with contextlib.suppress(DiskError):
             self.history.close()
         try:

@@ -1,9 +1,14 @@
 """One piece of device memory that serves several uses in turn."""
 
+from collections.abc import Callable, Hashable
+from typing import Any, TypeVar
+
 import warp as wp
 
 from warpsph.memory import available
 from warpsph.messages import machine
+
+T = TypeVar("T")
 
 LINE = wp.types.vector(16, wp.int32)
 """64 bytes, to which the start of a view is rounded. Counted in these, an array may be larger than 2^31 words."""
@@ -25,11 +30,15 @@ class Block:
     Attributes:
         lines: The memory.
         generation: Changes when it has moved.
+        let_go: Called before it moves: whoever keeps views of it, as bound launches do, drops them, for they would keep
+            the old memory beside the new.
     """
 
     def __init__(self, device: wp.Device):
         """Start with next to nothing; every use makes it as large as it needs."""
         self._device, self.generation = device, 0
+        self._bound: dict[Hashable, Any] = {}
+        self.let_go: Callable[[], None] = lambda: None
         self.lines = wp.empty(1, dtype=LINE, device=device)
 
     @property
@@ -59,8 +68,17 @@ class Block:
 
     def release(self) -> None:
         """Give the memory back: there is no further use."""
+        self._bound.clear()
+        self.let_go()
         self.lines = wp.empty(1, dtype=LINE, device=self._device)
         self.generation += 1
+
+    def bound(self, key: Hashable, bind: Callable[[], T]) -> T:
+        """What ``bind`` gave for this key, launches on views of the memory: made once, and again when it has moved."""
+        if key not in self._bound:
+            made = bind()  # which may move it
+            self._bound[key] = made
+        return self._bound[key]
 
     def view(self, dtype: type, first: int, n: int) -> wp.array:
         """An array of n entries of one or two words, from the ``first`` on."""

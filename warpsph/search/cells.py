@@ -7,6 +7,8 @@ import numpy as np
 import warp as wp
 
 from warpsph.device.launch import Launcher
+from warpsph.device.score import recorded
+from warpsph.device.team import Work
 from warpsph.kernels.cells import ALONG, FEWEST, MARGIN, make_cells
 from warpsph.kernels.sort import make_sort
 from warpsph.kernels.spec import Spec
@@ -24,6 +26,7 @@ class CellList:
     """Particles sorted by cells, see `kernels.cells`.
 
     Attributes:
+        spec: Specialisation.
         period: Cells along x, y and z before their numbers repeat.
         cell_scale: Cells per length along the axes [1/m].
         order: Particle indices cell by cell, shape [n].
@@ -35,13 +38,18 @@ class CellList:
         self, n: int, spec: Spec, counts: tuple[int, int, int], x_sorted: wp.array, launcher: Launcher
     ):
         """Allocate for n particles; ``counts``: cells along x, y and z, see `count_cells`; ``x_sorted``: room for that."""
-        self._n, self._spec, self._launcher = n, spec, launcher
+        self._n, self.spec, self._launcher = n, spec, launcher
         self._kernels, self._gather = make_cells(spec), make_sort(spec)[spec.point]
         self.period, self.cell_scale, self.x_sorted = wp.vec3i(*counts), spec.point(), x_sorted
         self._bits = max(int(np.prod(counts)) - 1, 1).bit_length()
         with wp.ScopedDevice(launcher.device):
             self.order = wp.zeros(n, dtype=wp.int32)
             self.cell_start = wp.zeros(int(np.prod(counts)) + 1, dtype=wp.int32)
+
+    @property
+    def work(self) -> list[tuple[type, int]]:
+        """Work space of a sort, as `Block.views` takes it."""
+        return [(wp.int32, 2 * self._n), (wp.int32, 2 * self._n), (wp.int32, self.cell_start.size)]
 
     def build(self, x: wp.array, reach: float, block: Block) -> None:
         """Sort particles for searches up to a distance.
@@ -51,17 +59,31 @@ class CellList:
             reach: The distance [m].
             block: Work space.
         """
+        self.prepare(x, reach, block)()
+
+    def prepare(self, x: wp.array, reach: float, block: Block) -> Work:
+        """Give what `build` would do."""
         width = (1.0 + MARGIN) * reach
-        n, i32, launch = self._n, wp.int32, self._launcher.launch
-        self.cell_scale = self._spec.point(ALONG / width, 1.0 / width, 1.0 / width)
-        key, order, count = block.views((i32, 2 * n), (i32, 2 * n), (i32, self.cell_start.size))
-        launch(self._kernels.keys, n, self, x=x, key=key, order=order)
-        wp.utils.radix_sort_pairs(key, order, n, end_bit=self._bits)
-        count.zero_()
-        launch(self._kernels.counts, n, key=key, n=n, cell_count=count)
-        wp.utils.array_scan(count, self.cell_start, inclusive=False)
-        wp.copy(self.order, order, count=n)
-        launch(self._gather, n, self, source=x, target=self.x_sorted)
+        self.cell_scale = self.spec.point(ALONG / width, 1.0 / width, 1.0 / width)
+        return block.bound((self, reach, x.ptr), lambda: self._bind(x, block))
+
+    def _bind(self, x: wp.array, block: Block) -> Work:
+        n, bind = self._n, self._launcher.bind
+        key, order, count = block.views(*self.work)
+        keys = bind(self._kernels.keys, n, self, x=x, key=key, order=order)
+        counts = bind(self._kernels.counts, n, key=key, n=n, cell_count=count)
+        gather = bind(self._gather, n, self, source=x, target=self.x_sorted)
+
+        def sort() -> None:
+            keys()
+            wp.utils.radix_sort_pairs(key, order, n, end_bit=self._bits)
+            count.zero_()
+            counts()
+            wp.utils.array_scan(count, self.cell_start, inclusive=False)
+            wp.copy(self.order, order, count=n)
+            gather()
+
+        return recorded(self._launcher.device, sort)
 
 
 def count_cells(x: np.ndarray, dim: int, reach: float, mirrored: Sequence[int] = ()) -> tuple[int, int, int]:

@@ -118,14 +118,15 @@ class Neighbours:
         p = self._particles
         if self.builds > 0 and not self._searching:
             return False
-        self._sort()
         sorting = self.builds == 0 or (self.builds % SORT_EVERY == 0 and not self._selective)
         if sorting:
+            self._reserve()
+            self._sort()
             self.block.views((p.largest, p.n))  # all fields move, or none if there is no memory for it
             p.reorder(self.cells.order, lambda dtype: self.block.views((dtype, p.n))[0])
-            self._sort()
         self.builds += 1
         if not self._searching:
+            self._sort()
             self.block.release()
             return sorting
         self._list()
@@ -154,16 +155,25 @@ class Neighbours:
         self.tiles.width = width
         if role is not None:
             self.role.assign(role)
-        self._sort()
         self._list(role)
         x.assign(now)
         self.unlisted.assign(arrays["unlisted"])
 
     def _list(self, role: np.ndarray | None = None) -> None:
-        """Tiles and rows of the particles as the cells have them."""
-        self.tiles.build(self, self.block, role)
+        """Cells, tiles and rows of the particles where they are."""
+        block, x = self.block, self._particles.x
+        rest = (self, block, self._reserve())
+        self._launcher.share([self.tiles.prepare(*rest), self.cells.prepare(x, self.radius, block)])
+        self.tiles.finish(*rest, role)
         self._fill(self.radius)
         wp.copy(self.x_listed, self._particles.x)
+
+    def _reserve(self) -> list[tuple[type, int]]:
+        """Make room for a rebuild; gives what of it the cells take while the tiles are built, by another thread of a CPU."""
+        block = self.block
+        beside = self.cells.work if self._launcher.device.is_cpu else []
+        block.bound(self, lambda: block.views(*beside, *self.tiles.work))
+        return beside
 
     def _sort(self) -> None:
         self.cells.build(self._particles.x, self.radius, self.block)

@@ -7,6 +7,8 @@ import numpy as np
 import warp as wp
 
 from warpsph.device.launch import Launcher, Pieces
+from warpsph.device.score import written_out
+from warpsph.device.team import Work
 from warpsph.kernels.neighbours import NeighbourKernels
 from warpsph.memory.policy import Policy
 from warpsph.messages import stops
@@ -116,9 +118,15 @@ class Rows:
 
     def _run(self, sources: tuple, named: dict) -> None:
         self._overflow.zero_()
-        self._launcher.launch(
+        given = (getattr(value, "ptr", value) for value in named.values())
+        key = (self, self._layouts, *self.cells.cell_scale, *sources, *given)
+        self._block.bound(key, lambda: self._bind(sources, named))()
+
+    def _bind(self, sources: tuple, named: dict) -> Work:
+        fill = self._launcher.bind(
             self._kernels.fill, self._n, self, self.cells, *sources, overflow=self._overflow, **named
         )
+        return written_out(self._launcher, self.cells.spec, fill)
 
     def _newcomers(self, sources: tuple) -> bool:
         """Whether there are particles that had no row, need one now and have no room for it."""
@@ -137,6 +145,16 @@ class Rows:
         if self._expecting and not self._typical:
             counts = self.n_neigh.numpy()
             self._typical = int(counts.sum() / max(np.count_nonzero(counts), 1))
+        totals = self._lay_out()
+        if min(totals) < 0 or max(totals) > MOST_ENTRIES:
+            raise stops.crowded(min(LENGTH, self._n), MOST_ENTRIES)
+        if any(total > room for total, room in zip(totals, self._rooms, strict=True)):
+            self._rooms = [min(max(int(self._policy.growth * total), 1), MOST_ENTRIES) for total in totals]
+            self._block.grow(self.capacity)
+            self._layouts += 1
+
+    def _lay_out(self) -> list[int]:
+        """Find where each row starts; gives the entries of each piece. It keeps no view of the block, which may move next."""
         (room,) = self._block.views((wp.int32, self._starts.size))
         room.zero_()  # the last of a piece stays 0: its scan ends in the total
         self._launcher.launch(
@@ -147,12 +165,7 @@ class Rows:
             starts = self._starts[first + k : last + k + 1]
             wp.utils.array_scan(room[first + k : last + k + 1], starts, inclusive=False)
             totals.append(int(starts[last - first :].numpy()[0]))
-        if min(totals) < 0 or max(totals) > MOST_ENTRIES:
-            raise stops.crowded(min(LENGTH, self._n), MOST_ENTRIES)
-        if any(total > room for total, room in zip(totals, self._rooms, strict=True)):
-            self._rooms = [min(max(int(self._policy.growth * total), 1), MOST_ENTRIES) for total in totals]
-            self._block.grow(self.capacity)
-            self._layouts += 1
+        return totals
 
     def mean_count(self) -> float:
         """Mean length of the rows."""

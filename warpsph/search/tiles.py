@@ -1,10 +1,15 @@
 """Tiles of space over the particles, rebuilt with the neighbour rows: they tell when the rows are worn out."""
 
+import functools
+from collections.abc import Sequence
+
 import numpy as np
 import warp as wp
 
 from warpsph.device.launch import Launcher
-from warpsph.kernels.tiles import make_tiles
+from warpsph.device.score import recorded
+from warpsph.device.team import Work
+from warpsph.kernels.tiles import KEY_BITS, make_tiles
 from warpsph.particles import Particles
 
 from .block import Block
@@ -78,35 +83,63 @@ class Tiles:
             self.body_last = wp.zeros(told, dtype=wp.int32)
             self.tile_role = wp.zeros(told, dtype=wp.int32)
 
-    def build(self, rows: object, block: Block, role: np.ndarray | None = None) -> None:
-        """Sort the particles into tiles; tiles grow until there are no more than ``most``.
+    @property
+    def work(self) -> list[tuple[type, int]]:
+        """Work space of building them, as `Block.views` takes it."""
+        n, i32 = self._particles.n, wp.int32
+        return [(i32, 2 * n), (i32, 2 * n), (i32, n), (i32, n)]
+
+    def prepare(self, rows: object, block: Block, beside: Sequence[tuple[type, int]]) -> Work:
+        """Give the work of sorting the particles into tiles of the present width; `finish` has to follow.
 
         Args:
-            rows: What knows the symmetry planes (``plane``, ``plane_mask``), the rows' reach (``radius``), and
+            rows: What knows the symmetry planes (``plane``, ``plane_mask``) and the rows' reach (``radius``), and
                 takes the particles' ``role``.
             block: Work space.
+            beside: Other work space of the block that is in use meanwhile.
+        """
+        views = functools.partial(block.views, *beside, *self.work)
+        return block.bound((self, self.width), lambda: self._bind(rows, *views()[-len(self.work) :]))
+
+    def _bind(self, rows: object, key: wp.array, member: wp.array, head: wp.array, number: wp.array) -> Work:
+        p, k, bind, n = self._particles, self._kernels, self._launcher.bind, self._particles.n
+        keys = bind(k.keys, n, p, width=self.width, key=key, member=member)
+        heads = bind(k.heads, n, key=key, head=head)
+        starts = bind(k.starts, n, self, head=head, number=number, n=n)
+        looks = [bind(k.boxes, self.most, self, p, rows)]
+        if self._selective:
+            looks.append(bind(k.contents, self.most, self, p))
+
+        def sort() -> None:
+            keys()
+            wp.utils.radix_sort_pairs(key, member, n, end_bit=KEY_BITS * p.spec.dim)
+            heads()
+            wp.utils.array_scan(head, number, inclusive=True)
+            starts()
+            wp.copy(self.member, member, count=n)
+            for look in looks:
+                look()
+
+        return recorded(self._launcher.device, sort)
+
+    def finish(
+        self, rows: object, block: Block, beside: Sequence[tuple[type, int]], role: np.ndarray | None
+    ) -> None:
+        """Let tiles grow until there are no more than ``most``, and give particles their roles.
+
+        Args:
+            rows: As in `prepare`, as are the next two.
+            block: Work space.
+            beside: Other work space.
             role: The particles' roles, shape [n], where they are known; found if None.
         """
-        p, k, launch, n = self._particles, self._kernels, self._launcher.launch, self._particles.n
-        i32 = wp.int32
-        key, member, head, number = block.views((i32, 2 * n), (i32, 2 * n), (i32, n), (i32, n))
-        while True:
-            launch(k.keys, n, p, width=self.width, key=key, member=member)
-            wp.utils.radix_sort_pairs(key, member, n)
-            launch(k.heads, n, key=key, head=head)
-            wp.utils.array_scan(head, number, inclusive=True)
-            launch(k.starts, n, self, head=head, number=number, n=n)
-            if int(self.n_tiles.numpy()[0]) <= self.most:
-                break
+        while int(self.n_tiles.numpy()[0]) > self.most:
             self.width *= 1.5
-        wp.copy(self.member, member, count=n)
-        launch(k.boxes, self.most, self, p, rows)
-        if self._selective:
-            launch(k.contents, self.most, self, p)
-            if role is None:
-                launch(k.roles, self.most, self, p, rows)
-            else:
-                self._recall(role)
+            self.prepare(rows, block, beside)()
+        if role is not None:
+            self._recall(role)
+        elif self._selective:
+            self._launcher.launch(self._kernels.roles, self.most, self, self._particles, rows)
 
     def _recall(self, role: np.ndarray) -> None:
         """Tell the tiles' roles from those of their particles."""
