@@ -170,9 +170,13 @@ class Neighbours:
 
     def _reserve(self) -> list[tuple[type, int]]:
         """Make room for a rebuild; gives what of it the cells take while the tiles are built, by another thread of a CPU."""
-        block = self.block
         beside = self.cells.work if self._launcher.device.is_cpu else []
-        block.bound(self, lambda: block.views(*beside, *self.tiles.work))
+
+        def room() -> None:
+            for layout in ([*beside, *self.tiles.work], self.cells.work):
+                self.block.views(*layout)
+
+        self.block.bound(self, room)
         return beside
 
     def _sort(self) -> None:
