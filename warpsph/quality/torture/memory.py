@@ -1,7 +1,6 @@
 """Memory: what a run is said to need against what it takes, and what is refused before it does harm."""
 
 import json
-import os
 import resource
 import shutil
 import subprocess
@@ -30,6 +29,15 @@ LEAST, MOST = 0.80, 1.25
 
 QUICKLY, LITTLE = 20.0, 1e9
 """Time [s] and resident memory [bytes] that a refusal may take, Python, Warp and the scene's own modules included."""
+
+PEAK = """
+import resource, subprocess, sys
+code = subprocess.call(sys.argv[1:], stdout=subprocess.DEVNULL)
+print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
+sys.exit(code)
+"""
+"""Runs a command and tells its largest resident memory [kB]. That of a process begins with its parent's, hence one between
+that is small."""
 
 
 @dataclass(frozen=True)
@@ -151,16 +159,13 @@ def _refused(words: list[str], limit: int | None) -> tuple[int, str, float, int]
             resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
 
     started = time.perf_counter()
-    process = subprocess.Popen(
-        [sys.executable, "-m", "warpsph", *words], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
-        preexec_fn=narrow,
+    done = subprocess.run(
+        [sys.executable, "-c", PEAK, sys.executable, "-m", "warpsph", *words],
+        capture_output=True, text=True, check=False, preexec_fn=narrow,
     )  # fmt: skip
-    said = process.stderr.read().strip().splitlines()
-    process.stderr.close()
-    _, status, spent = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
+    said = done.stderr.strip().splitlines()
     seconds = time.perf_counter() - started
-    return process.returncode, said[-1] if said else "", seconds, 1024 * spent.ru_maxrss
+    return done.returncode, said[-1] if said else "", seconds, 1024 * int(done.stdout)
 
 
 def _note(found: Findings, title: str, said: int, taken: int, limits: tuple[float, float]) -> None:
