@@ -1,5 +1,6 @@
 """The launcher: binds by name, refuses what does not fit, and cuts launches into slices that cover them."""
 
+import signal
 import threading
 import time
 
@@ -161,6 +162,29 @@ def test_an_interrupted_launch_ends_before_the_next_begins():
     assert len(done) == finished
     team.share([slow, slow])
     assert len(done) == finished + 2
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no timers that signal")
+def test_threads_are_waited_for_however_often_the_wait_is_interrupted():
+    team, calls, done = Team(3), [], []
+
+    def interrupt(*_):
+        calls.append("signal")
+        raise KeyboardInterrupt
+
+    def slow():
+        time.sleep(0.3)
+        done.append("slow")
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.1, 0.05)
+        with pytest.raises(KeyboardInterrupt):
+            team.together([lambda: None, slow, slow], lambda: None)
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    assert len(calls) > 1 and done == ["slow", "slow"]
 
 
 def test_work_is_recorded_whole_by_the_thread_that_records():
