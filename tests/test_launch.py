@@ -1,5 +1,6 @@
 """The launcher: binds by name, refuses what does not fit, and cuts launches into slices that cover them."""
 
+import signal
 import threading
 import time
 
@@ -9,7 +10,7 @@ import warp as wp
 from tools import DOUBLE, PLASTIC
 
 from warpsph.device import score
-from warpsph.device.launch import SMALLEST_LIGHT_SLICE, Launcher
+from warpsph.device.launch import SMALLEST_LIGHT_SLICE, WORTH_WAKING, Launcher
 from warpsph.device.subnormals import can_flush
 from warpsph.device.team import Team
 from warpsph.errors import InputError
@@ -161,6 +162,50 @@ def test_an_interrupted_launch_ends_before_the_next_begins():
     assert len(done) == finished
     team.share([slow, slow])
     assert len(done) == finished + 2
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no timers that signal")
+def test_threads_are_waited_for_however_often_the_wait_is_interrupted():
+    team, calls, done = Team(3), [], []
+
+    def interrupt(*_):
+        calls.append("signal")
+        raise KeyboardInterrupt
+
+    def slow():
+        time.sleep(0.3)
+        done.append("slow")
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.1, 0.05)
+        with pytest.raises(KeyboardInterrupt):
+            team.together([lambda: None, slow, slow], lambda: None)
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    assert len(calls) > 1 and done == ["slow", "slow"]
+
+
+def test_work_is_recorded_whole_by_the_thread_that_records():
+    """A helper would run its slices there and then, and no replay would have them."""
+    n = WORTH_WAKING
+    launcher, source, target = Launcher("cpu", 3), numbers(n), wp.zeros(n, dtype=wp.float64, device="cpu")
+    launch = launcher.bind(scale, n, source=source, target=target, factor=3.0)
+    replay = score.recorded(launcher.device, launch)
+    assert replay is not launch and not target.numpy().any()
+    replay()
+    np.testing.assert_array_equal(target.numpy(), 3.0 * source.numpy())
+
+
+def test_pieces_of_work_may_launch_what_threads_share():
+    """As they do where nothing can be recorded: nobody waits for a thread that waits for it."""
+    n = WORTH_WAKING
+    launcher, source = Launcher("cpu", 2), numbers(n)
+    targets = [wp.zeros(n, dtype=wp.float64, device="cpu") for _ in range(2)]
+    launcher.share([launcher.bind(scale, n, source=source, target=t, factor=3.0) for t in targets])
+    for target in targets:
+        np.testing.assert_array_equal(target.numpy(), 3.0 * source.numpy())
 
 
 def test_a_launch_that_fails_in_any_thread_says_so():

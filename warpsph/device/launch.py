@@ -105,6 +105,7 @@ class Launcher:
             raise values.outside("threads", threads, f"1 or more (this machine has {cores})")
         self.threads = 1 if self.device.is_cuda else (threads or cores)
         self._team = Team(self.threads) if self.threads > 1 else None
+        self._busy = False
         self.arithmetic = contextlib.nullcontext() if self.device.is_cuda else Flushing()
 
     def slices(self, dim: int, most: int, length: int | None = None) -> list[tuple[int, int]]:
@@ -124,12 +125,20 @@ class Launcher:
             self.share(pieces) if worth else run_all(pieces)
 
     def share(self, works: list[Work]) -> None:
-        """Run pieces of work that do not depend on each other, by as many threads as there are; none shares its own."""
+        """Run pieces of work that do not depend on each other, by as many threads as there are.
+
+        What they share themselves is run by the thread that does: no other is free. So is all that is recorded, for
+        another thread would run it instead.
+        """
         with self.arithmetic:
-            if self._team is None or len(works) == 1:
+            if self._team is None or len(works) == 1 or self._busy or self.device.is_capturing:
                 run_all(works)
-            else:
+                return
+            self._busy = True
+            try:
                 self._team.share(works)
+            finally:
+                self._busy = False
 
     def together(self, works: list[Work], leave: Work) -> None:
         """Run a piece of work for each thread, see `Team.together`."""

@@ -31,18 +31,11 @@ class Team:
         Raises:
             Exception: What a piece raised.
         """
-        rest, ended, failures = iter(pieces), SimpleQueue(), []
-        for jobs in self._jobs:
-            jobs.put((rest, ended))
-        try:
-            failures.append(_work(rest))
-        finally:
-            failures += [ended.get() for _ in self._jobs]
-        for failure in filter(None, failures):
-            raise failure
+        rest = iter(pieces)
+        self._run([rest] * (len(self._jobs) + 1))
 
     def together(self, works: list[Work], leave: Work) -> None:
-        """Run a piece of work for each thread, in which they wait for each other; returns when all are done.
+        """Run a piece of work for each thread, in which they wait for each other; returns when all are done, as `share` does.
 
         Args:
             works: The caller's first.
@@ -59,19 +52,29 @@ class Team:
                 leave()
                 raise
 
-        ended, asked, failures = SimpleQueue(), 0, []
+        self._run([iter([functools.partial(whole, work)]) for work in works], leave)
+
+    def _run(self, parts: list[Iterator[Work]], leave: Work = lambda: None) -> None:
+        """Have each thread run its part, the caller the first, and wait for all of them."""
+        answers, ended = {}, SimpleQueue()
+        asked = [(part, k, answers, ended) for k, part in enumerate(parts[1:])]
         try:
-            for jobs, work in zip(self._jobs, works[1:], strict=True):
-                jobs.put((iter([functools.partial(whole, work)]), ended))
-                asked += 1
-            failures.append(_work(iter([functools.partial(whole, works[0])])))
-        except BaseException:  # interrupted between two lines of this
+            self._ask(asked)
+            failure = _work(parts[0])
+        except (
+            BaseException
+        ):  # interrupted, perhaps before all were asked: to be asked twice does nobody any harm
             leave()
+            self._ask(asked)
             raise
         finally:
-            failures += [ended.get() for _ in range(asked)]
-        for failure in filter(None, failures):
-            raise failure
+            _wait(answers, ended, len(asked))
+        for found in filter(None, [failure, *answers.values()]):
+            raise found
+
+    def _ask(self, asked: list[tuple]) -> None:
+        for jobs, job in zip(self._jobs, asked, strict=True):
+            jobs.put(job)
 
 
 def run_all(pieces: Iterable[Work]) -> None:
@@ -83,8 +86,21 @@ def run_all(pieces: Iterable[Work]) -> None:
 def _help(jobs: SimpleQueue) -> None:
     flush()
     while (job := jobs.get()) is not None:
-        rest, ended = job
-        ended.put(_work(rest))
+        part, k, answers, ended = job
+        answers[k] = _work(part)
+        ended.put(None)
+
+
+def _wait(answers: dict, ended: SimpleQueue, count: int) -> None:
+    """Return when there are as many answers, however often it is interrupted; what interrupted it last is then raised."""
+    interrupted = None
+    while len(answers) < count:
+        try:
+            ended.get()  # only says that there is one more: it may be lost to an interruption
+        except BaseException as error:
+            interrupted = error
+    if interrupted is not None:
+        raise interrupted
 
 
 def _work(rest: Iterator[Work]) -> Exception | None:
