@@ -1,5 +1,6 @@
 """The launcher: binds by name, refuses what does not fit, and cuts launches into slices that cover them."""
 
+import os
 import signal
 import threading
 import time
@@ -10,6 +11,7 @@ import warp as wp
 from tools import DOUBLE, PLASTIC
 
 from warpsph.device import score
+from warpsph.device.cores import count_cores
 from warpsph.device.launch import SMALLEST_LIGHT_SLICE, WORTH_WAKING, Launcher
 from warpsph.device.subnormals import can_flush
 from warpsph.device.team import Team
@@ -266,3 +268,24 @@ def test_a_meeting_ends_when_all_have_come_or_one_has_left():
     meeting.numpy()[LEFT] = 1
     comings[0].launch()
     assert alone[0].numpy()[0] == 1
+
+
+@pytest.mark.parametrize(
+    ("groups", "files", "cores"),
+    [
+        ("0::/job/step", {"job/cpu.max": "150000 100000", "job/step/cpu.max": "max 100000"}, 2),
+        ("0::/job", {"job/cpu.max": "20000 100000"}, 1),
+        ("4:cpu,cpuacct:/job", {"cpu/job/cpu.cfs_quota_us": "200000\n", "cpu/job/cpu.cfs_period_us": "100000\n"}, 2),
+        ("4:cpu:/job", {"cpu/job/cpu.cfs_quota_us": "-1", "cpu/job/cpu.cfs_period_us": "100000"}, 8),
+        ("", {}, 8),
+    ],
+)  # fmt: skip
+def test_a_container_s_share_of_time_limits_the_threads(monkeypatch, tmp_path, groups, files, cores):
+    """Rounded up; the narrowest of all groups above the process counts."""
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(8)), raising=False)
+    texts = {"proc/self/cgroup": groups} | {f"sys/fs/cgroup/{name}": text for name, text in files.items()}
+    for name, text in texts.items():
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    assert count_cores(tmp_path) == cores

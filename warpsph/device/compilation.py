@@ -9,7 +9,8 @@ import warp as wp
 
 from warpsph.messages import output
 
-from .launch import count_cores, threads_of_block
+from .cores import count_cores
+from .launch import threads_of_block
 
 PER_THREAD = 4
 """Modules that a thread has to compile to be worth it: it makes a precompiled header first, in the time of some six."""

@@ -4,13 +4,13 @@ import contextlib
 import functools
 import inspect
 import itertools
-import os
 from dataclasses import dataclass
 
 import warp as wp
 
 from warpsph.messages import values
 
+from .cores import count_cores
 from .subnormals import Flushing
 from .team import Team, Work, run_all
 
@@ -234,11 +234,6 @@ def _checked(kernel: wp.Kernel, var, name: str, value: object) -> object:
 def threads_of_block(device: wp.Device) -> int:
     """Give the number of threads that a block has on a device."""
     return BLOCK if device.is_cuda else 1
-
-
-def count_cores() -> int:
-    """Give the number of CPU cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def find_device(name: str) -> wp.Device:

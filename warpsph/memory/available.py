@@ -6,17 +6,16 @@ from pathlib import Path
 
 import warp as wp
 
-SYSTEM = Path("/")
-"""Where Linux shows what it knows of memory."""
+from warpsph.control_groups import SYSTEM, levels, text
 
 LIBRARIES = 400_000_000
 """Bytes of address space that kernels and libraries map once a run has begun: HDF5, VTK, stacks of threads."""
 
-_VERSIONS = {
-    "": ("sys/fs/cgroup", "memory.max", "memory.current", "inactive_file"),
-    "memory": ("sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"),
-}  # fmt: skip
-"""Control groups, the second and the first version: folder, limit, what is in use, and what of that can be had back."""
+_FILES = {
+    2: ("memory.max", "memory.current", "inactive_file"),
+    1: ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"),
+}
+"""Control groups by version: limit, what is in use, and what of that can be had back."""
 
 
 def on_device(device: wp.Device) -> int | None:
@@ -38,26 +37,19 @@ def on_host(root: Path = SYSTEM) -> int | None:
 
 
 def _system(root: Path) -> Iterator[int]:
-    for line in _text(root / "proc/meminfo").splitlines():
+    for line in text(root / "proc/meminfo").splitlines():
         if line.startswith("MemAvailable:"):
             yield int(line.split()[1]) * 1024
 
 
 def _groups(root: Path) -> Iterator[int]:
     """What each control group above this process leaves; files in the cache count as free."""
-    for line in _text(root / "proc/self/cgroup").splitlines():
-        _, controllers, path = line.split(":", 2)
-        kinds = {"memory"} & set(controllers.split(",")) if controllers else {""}
-        for folder, limit, used, cached in map(_VERSIONS.get, kinds):
-            top = root / folder
-            group = top / path.strip("/")
-            for level in (group, *group.parents):
-                most, now = _text(level / limit).strip(), _text(level / used).strip()
-                if most.isdecimal() and now.isdecimal():
-                    facts = dict(entry.split() for entry in _text(level / "memory.stat").splitlines())
-                    yield int(most) - int(now) + int(facts.get(cached, 0))
-                if level == top:
-                    break
+    for version, group in levels("memory", root):
+        limit, used, cached = _FILES[version]
+        most, now = text(group / limit).strip(), text(group / used).strip()
+        if most.isdecimal() and now.isdecimal():
+            facts = dict(entry.split() for entry in text(group / "memory.stat").splitlines())
+            yield int(most) - int(now) + int(facts.get(cached, 0))
 
 
 def _address_space(root: Path) -> Iterator[int]:
@@ -66,14 +58,6 @@ def _address_space(root: Path) -> Iterator[int]:
     except ImportError:  # not a Unix
         return
     most = resource.getrlimit(resource.RLIMIT_AS)[0]
-    pages = _text(root / "proc/self/statm").split()
+    pages = text(root / "proc/self/statm").split()
     if most != resource.RLIM_INFINITY and pages:
         yield most - int(pages[0]) * os.sysconf("SC_PAGE_SIZE") - LIBRARIES
-
-
-def _text(path: Path) -> str:
-    """Text of a file; nothing if it cannot be read."""
-    try:
-        return path.read_text()
-    except (OSError, ValueError):
-        return ""

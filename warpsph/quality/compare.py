@@ -7,7 +7,8 @@ from dataclasses import replace
 from statistics import median
 
 from warpsph import library
-from warpsph.device.launch import count_cores, find_device
+from warpsph.device.cores import count_cores
+from warpsph.device.launch import find_device
 from warpsph.info import table
 from warpsph.messages import values
 from warpsph.progress import Progress

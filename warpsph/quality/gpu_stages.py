@@ -25,7 +25,8 @@ import warp as wp
 
 from warpsph import __version__
 from warpsph.config import Contact, Conversion, Numerics
-from warpsph.device.launch import count_cores, find_device
+from warpsph.device.cores import count_cores
+from warpsph.device.launch import find_device
 from warpsph.running.balance import energy
 from warpsph.scene import Scene
 from warpsph.schemes import SCHEMES

@@ -11,7 +11,7 @@ from pathlib import Path
 import warp as wp
 
 from warpsph import __version__
-from warpsph.device.launch import count_cores
+from warpsph.device.cores import count_cores
 from warpsph.device.processor import processor
 from warpsph.messages import measuring
 from warpsph.storage import atomic
