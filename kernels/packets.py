@@ -16,7 +16,7 @@ from .spec import Spec
 from .tensor import make_tensor
 
 PACKET = 16
-"""Bytes of a packet: the widest load of a thread."""
+"""Bytes of a packet: the widest load of a thread. It takes such loads to fill the memory of a GPU."""
 
 FIRST, SECOND, NUMBER = (0, 1, 2), (4, 5, 3), 3
 """Places of a vector in a record, and of what may follow, a second one or a number: with single precision the first vector
