@@ -5,10 +5,8 @@ from typing import NamedTuple
 
 import warp as wp
 
+from .packets import PACKET
 from .spec import Spec
-
-PACKET = 16
-"""Bytes that a thread copies at once: a GPU moves no more with one instruction, and needs that to fill its memory."""
 
 CHAINS = 64
 """Independent sums of a thread: enough to keep vector units and pipelines full."""

@@ -25,12 +25,9 @@ def make_company(s: Spec, planes: bool, separate: bool) -> wp.Kernel:
     """
     read, mirror, lanes = make_reads(s), make_mirror(s, planes), make_lanes(s)
     row_end, stride = lanes.row_end, lanes.stride
+    options = ("planes" * planes, "separate" * separate)
 
-    @wp.kernel(
-        module=s.module(
-            __name__, "_".join(filter(None, ("planes" * planes, "separate" * separate))), lanes=True
-        )
-    )
+    @wp.kernel(module=s.module(__name__, "_".join(filter(None, options)), lanes=True))
     def company(
         offset: wp.int32,
         # in:
@@ -66,9 +63,8 @@ def make_company(s: Spec, planes: bool, separate: bool) -> wp.Kernel:
             k += stride
         found = wp.int32(wp.static(MIXED))
         if kernel_type[i] == wp.static(EULERIAN):
-            if (
-                whole == (last - first) / stride
-            ):  # what fills up the row counts, for it is the particle itself
+            # what fills up the row counts, for it is the particle itself
+            if whole == (last - first) / stride:
                 found = wp.static(PLAIN)
         elif whole == 0:
             found = wp.static(ALONE)

@@ -1,7 +1,6 @@
 """Frictionless contact between bodies: a repulsive potential of every pair of particles of two bodies (section 6)."""
 
 import functools
-from typing import NamedTuple
 
 import warp as wp
 
@@ -17,38 +16,14 @@ CENTRE = 1e-3
 """Distance in h at which (dW/dr)/r is taken for its value at r = 0, where a kernel may divide 0 by 0."""
 
 
-class ContactKernels(NamedTuple):
-    """Kernels of this file."""
-
-    strangers: wp.Kernel
-    contact: wp.Kernel
-
-
 @functools.cache
-def make_contact(s: Spec, smoothing: Smoothing, planes: bool, parts: Parts = (CONTACT,)) -> ContactKernels:
-    """Build the pair loop over particles of other bodies.
+def make_strangers(s: Spec, planes: bool) -> wp.Kernel:
+    """Build the kernel that finds who has particles of other bodies near; ``planes``: entries may be mirror images."""
+    mirror, read, lanes = make_mirror(s, planes), make_reads(s), make_lanes(s)
+    row_end, stride = lanes.row_end, lanes.stride
+    options = ("strangers", "planes" * planes)
 
-    Args:
-        s: Specialisation.
-        smoothing: Smoothing kernel.
-        planes: Neighbour entries may be mirror images.
-        parts: Parts of the forces that the run keeps apart.
-    """
-    real, vec, point = s.real, s.vec, s.point
-    Accelerations, Powers = part_types(s, len(parts))
-    row = parts.index(CONTACT)
-    mirror, dot = make_mirror(s, planes), make_tensor(s).dot
-    w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
-    lanes = make_lanes(s)
-    last_end, stride = lanes.last_end, lanes.stride
-    zero, half, three, four = real(0.0), real(0.5), real(3.0), real(4.0)
-    centre, dim = real(CENTRE), s.dim
-
-    read, row_end = make_reads(s), lanes.row_end
-
-    @wp.kernel(
-        module=s.module(__name__, "_".join(filter(None, ("strangers", "planes" * planes))), lanes=True)
-    )
+    @wp.kernel(module=s.module(__name__, "_".join(filter(None, options)), lanes=True))
     def strangers(
         offset: wp.int32,
         # in:
@@ -69,6 +44,29 @@ def make_contact(s: Spec, smoothing: Smoothing, planes: bool, parts: Parts = (CO
             found += wp.where(read.integer(body, mirror.index(read.integer(neigh, k))) != body[i], 1, 0)
             k += stride
         n_strangers[i] = found
+
+    return strangers
+
+
+@functools.cache
+def make_contact(s: Spec, smoothing: Smoothing, planes: bool, parts: Parts = (CONTACT,)) -> wp.Kernel:
+    """Build the pair loop over particles of other bodies.
+
+    Args:
+        s: Specialisation.
+        smoothing: Smoothing kernel.
+        planes: Neighbour entries may be mirror images.
+        parts: Parts of the forces that the run keeps apart.
+    """
+    real, vec, point = s.real, s.vec, s.point
+    Accelerations, Powers = part_types(s, len(parts))
+    row = parts.index(CONTACT)
+    mirror, dot = make_mirror(s, planes), make_tensor(s).dot
+    w, dw_r, support = smoothing.w, smoothing.dw_r, real(smoothing.support)
+    lanes = make_lanes(s)
+    last_end, stride = lanes.last_end, lanes.stride
+    zero, half, three, four = real(0.0), real(0.5), real(3.0), real(4.0)
+    centre, dim = real(CENTRE), s.dim
 
     @wp.kernel(
         module=s.module(__name__, "_".join(filter(None, (smoothing.name, "planes" * planes, tag(parts)))))
@@ -160,4 +158,4 @@ def make_contact(s: Spec, smoothing: Smoothing, planes: bool, parts: Parts = (CO
             part_power[i] = powers
             cover[i] = wp.max(cover[i], share)
 
-    return ContactKernels(strangers, contact)
+    return contact

@@ -29,7 +29,7 @@ class PairTerms:
         planes: Neighbour entries may be mirror images.
         coupling: What pairs of two kernel types, or of two bodies, share.
         parts: Parts of the forces that the run keeps apart.
-        company: `PLAIN`: for particles of this company; `MIXED`: for all others; see `kernels.company`.
+        company: `PLAIN`: for particles of this company; `MIXED`: for all others; `ANY`: for all (see `kernels.company`).
     """
 
     corrected: bool

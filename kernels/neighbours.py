@@ -10,6 +10,7 @@ from typing import NamedTuple
 import warp as wp
 
 from .cells import ALONG, make_cells
+from .index import natural
 from .lanes import make_lanes
 from .mirror import INDEX_BITS, make_mirror
 from .spec import Spec
@@ -54,7 +55,6 @@ def make_neighbours(
     lanes, columns = make_lanes(s), s.columns
     filled, row_end = lanes.filled, lanes.row_end
     masks = wp.constant(8 if planes else 1)
-    LARGEST = wp.constant(2**31 - 1)  # as a mask it tells the compiler that an index is not negative
     lines, layers = (3 if s.dim > axis else 1 for axis in (1, 2))
     Runs = wp.types.vector(2 * lines, wp.int32)
 
@@ -88,7 +88,7 @@ def make_neighbours(
         why a row has at least one spare place. A row without room is counted to its end and reported, never cut.
         """
         i = wp.tid() + offset
-        first = start[i] & LARGEST
+        first = natural(start[i])
         end = start[wp.min((i / columns + 1) * columns, start.shape[0] - 1)]  # of the rows side by side
         at = wp.int32(first)
         if wp.static(selective):
@@ -119,7 +119,7 @@ def make_neighbours(
                             lasts[2 * p + 1] = last_2
                     r = wp.int32(0)
                     while r < wp.static(2 * lines):
-                        k = firsts[r] & LARGEST
+                        k = natural(firsts[r])
                         last_k = lasts[r]
                         while k < last_k:
                             j = order[k]
@@ -180,7 +180,10 @@ def make_neighbours(
         n_neigh: wp.array[wp.int32],
         overflow: wp.array[wp.int32],
     ):
-        """Count ``typical`` neighbours for particles that had no row and need one now, and report a lack of room before the search."""
+        """Count ``typical`` neighbours for particles that had no row and need one now, and report if one has no room.
+
+        That is before the search, on a CPU: a row's room ends where the next one's begins.
+        """
         i = wp.tid() + offset
         if role[i] > 0 and n_neigh[i] == 0:
             n_neigh[i] = typical

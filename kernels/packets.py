@@ -16,13 +16,13 @@ from .spec import Spec
 from .tensor import make_tensor
 
 PACKET = 16
-"""Bytes of a packet: the widest load of a thread."""
+"""Bytes of a packet: the widest load of a thread. It takes such loads to fill the memory of a GPU."""
 
 FIRST, SECOND, NUMBER = (0, 1, 2), (4, 5, 3), 3
 """Places of a vector in a record, and of what may follow, a second one or a number: with single precision the first vector
 is in one packet, and in the plane double precision needs one packet for each."""
 
-COFACTOR, STRESS, SOUND = (0, 1, 8, 2, 3, 9, 10, 11, 12), (4, 5, 13, 6, 14, 7), 15
+COFACTOR, STRESS, SOUND = (0, 1, 8, 2, 3, 9, 10, 11, 12), (4, 5, 13, 6, 14, 15), 7
 """Places of the components of a tensor, row by row, of a symmetric one, and of a number: those in the plane come first."""
 
 
@@ -223,7 +223,7 @@ def _from_packets(s: Spec) -> Near:
 
     @wp.func
     def cs(cs: wp.array[real], r: Strained, j: wp.int32):
-        return r[15]
+        return r[wp.static(SOUND)]
 
     @wp.func
     def X(X: wp.array[point], r: Resting, j: wp.int32):
@@ -244,7 +244,7 @@ def _from_packets(s: Spec) -> Near:
     @wp.func
     def P_times(P: wp.array[mat], r: Strained, j: wp.int32, b: vec):
         turned = product(mat(r[0], r[1], r[8], r[2], r[3], r[9], r[10], r[11], r[12]), b)
-        return act(sym(r[4], r[5], r[13], r[6], r[14], r[7]), turned)
+        return act(sym(r[4], r[5], r[13], r[6], r[14], r[15]), turned)
 
     @wp.func
     def piola(P: wp.array[mat], sig: wp.array[sym], cof: wp.array[Packets], j: wp.int32):

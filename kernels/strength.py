@@ -289,9 +289,8 @@ def make_strength(s: Spec) -> Strength:
     def nonlinear_return(m: Material, tau_trial: mat, ep: real, T: real, p: real, D: real, dt: real):
         """The same for Y(εp + Δεp, Δεp/dt) = q - 3G Δεp, at the T, p and D given."""
         soft, q = softening(m, T), von_mises(tau_trial)
-        if (
-            m.strength == metal and D < m.D_shear and q <= m.A * soft
-        ):  # elastic even if it never hardened: no power
+        # elastic even if it never hardened: no power
+        if m.strength == metal and D < m.D_shear and q <= m.A * soft:
             return tau_trial, real(0.0)
         Y_0, _H, _S = nonlinear_flow(m, ep, real(0.0), soft, p, D)
         if q <= Y_0:

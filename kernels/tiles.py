@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import warp as wp
 
+from .index import natural
 from .kernel_type import ERODED, EULERIAN
 from .lanes import make_lanes, make_reads
 from .spec import Spec
@@ -42,7 +43,6 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
     read, lanes = make_reads(s), make_lanes(s)
     worth, raised, value, Bits = lanes.worth, lanes.raised, lanes.value, lanes.Bits
     rank, ranked = lanes.rank, lanes.ranked
-    LARGEST = wp.constant(2**31 - 1)  # as a mask it tells the compiler that an index is not negative
 
     @wp.func
     def strangers(first: wp.int32, last: wp.int32, others_first: wp.int32, others_last: wp.int32):
@@ -241,7 +241,7 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
         count = (tile_start[t + 1] - first + hands - 1) / hands
         k = wp.int32(0)
         while k < count:
-            i = read.integer(member, first + k * hands) & LARGEST
+            i = natural(read.integer(member, first + k * hands))
             moved = vec(read.point(x, i) - read.point(x_listed, i))
             low_x, high_x = wp.min(low_x, rank(moved[0])), wp.max(high_x, rank(moved[0]))
             low_y, high_y = wp.min(low_y, rank(moved[1])), wp.max(high_y, rank(moved[1]))
@@ -300,7 +300,8 @@ def make_tiles(s: Spec, selective: bool = False) -> TileKernels:
     ):
         """Largest share of the allowed approach that a tile has used up against any tile [-]; 1 wears the rows out.
 
-        Each of the tile's ``hands`` has a value of its own, against every so many tiles. With Lagrangian particles two tiles of one body count from ``wearing_role`` of one of them on.
+        Each of the tile's ``hands`` has a value of its own, against every so many tiles. With Lagrangian particles two
+        tiles of one body count from ``wearing_role`` of one of them on.
         """
         hand = wp.tid() + offset
         t = hand // hands

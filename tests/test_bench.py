@@ -10,7 +10,8 @@ from warpsph import cli
 from warpsph.device.launch import Launcher
 from warpsph.errors import InputError
 from warpsph.info import table
-from warpsph.kernels.ceilings import CHAINS, PACKET, make_ceilings
+from warpsph.kernels.ceilings import CHAINS, make_ceilings
+from warpsph.kernels.packets import PACKET
 from warpsph.memory.usage import of_search, usage
 from warpsph.quality import bench, block, ceilings, performance, report, series, startup, trial
 from warpsph.quality.stopwatch import REST, ROWS, kernel_times, one_by_one, short_name

@@ -83,13 +83,14 @@ def contact(spec, state, rows=None, kernel="cubic_spline", plane=None, **before)
     }
     state = {k: a.astype(np.int32) if a.dtype.kind == "i" else a for k, a in state.items()}
     found = launch(
-        make_contact(spec, make_smoothing(spec, kernel), plane is not None, ALL).contact, n, spec,
+        make_contact(spec, make_smoothing(spec, kernel), plane is not None, ALL), n, spec,
         **state, **before, **parts,
         contact_modulus=MODULUS, contact_scale=STIFFNESS / SPACING**spec.dim, h=H, spacing=SPACING,
         plane=spec.vec(*(plane or (0.0, 0.0, 0.0))),
         start=np.cumsum([0, *map(len, rows)]).astype(np.int32),
         n_neigh=np.array([len(row) for row in rows], np.int32),
-        neigh=np.concatenate([*rows, []]).astype(np.int32), n_strangers=np.ones(n, np.int32),
+        neigh=np.concatenate([*rows, []]).astype(np.int32),
+        n_strangers=np.ones(n, np.int32),
     )  # fmt: skip
     return {k: a.astype(float) for k, a in (found | {k: a.numpy() for k, a in parts.items()}).items()}
 

@@ -182,15 +182,9 @@ class Launcher:
                     raise TypeError(f"{kernel.key}: no value for argument {value!r}")
                 value = getattr(owner, value)
             args.append(_checked(kernel, var, name, value))
-        light = LABOUR.isdisjoint(_names(kernel))
-        slices = self._record(
-            kernel,
-            dim,
-            args,
-            (particles or dim) // (SMALLEST_LIGHT_SLICE if light else SMALLEST_SLICE),
-            block,
-        )
-        return Command(self, slices, not light or (particles or dim) >= WORTH_WAKING)
+        light, count = LABOUR.isdisjoint(_names(kernel)), particles or dim
+        most = count // (SMALLEST_LIGHT_SLICE if light else SMALLEST_SLICE)
+        return Command(self, self._record(kernel, dim, args, most, block), not light or count >= WORTH_WAKING)
 
     def _record(
         self, kernel: wp.Kernel, dim: int, args: list, most: int, block: int | None

@@ -7,7 +7,8 @@ from types import SimpleNamespace
 import warp as wp
 
 from warpsph.device.launch import Command, Launcher
-from warpsph.kernels.ceilings import CHAINS, PACKET, make_ceilings
+from warpsph.kernels.ceilings import CHAINS, make_ceilings
+from warpsph.kernels.packets import PACKET
 from warpsph.kernels.spec import Spec
 
 COPIED_CPU, COPIED_CUDA = 1 << 29, 1 << 30

@@ -120,13 +120,8 @@ def _watched(stage: str, later: list[str], end: float, given: argparse.Namespace
     left = end - time.monotonic() - sum(LIMITS[name] for name in later)
     command = [sys.executable, "-m", "warpsph.quality.gpu_check", "--stage", stage, "--device", given.device]
     start = time.monotonic()
-    command += [
-        "--out",
-        str(given.out),
-        "--deadline",
-        f"{start + left - TAIL:.1f}",
-        *["--quick"] * given.quick,
-    ]
+    command += ["--out", str(given.out), "--deadline", f"{start + left - TAIL:.1f}"]
+    command += ["--quick"] * given.quick
     trouble = run_stage(command, given.out / "log.txt", left)
     path = given.out / f"{stage}.json"
     found = (

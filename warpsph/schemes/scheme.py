@@ -12,7 +12,7 @@ from warpsph.config import Numerics
 from warpsph.device.blocks import Blocks
 from warpsph.device.launch import Command
 from warpsph.kernels.constitutive import make_constitutive
-from warpsph.kernels.contact import make_contact
+from warpsph.kernels.contact import make_contact, make_strangers
 from warpsph.kernels.correction import make_correction
 from warpsph.kernels.integrate import make_integrate
 from warpsph.kernels.ledger import make_ledger
@@ -119,8 +119,8 @@ class Scheme(ABC):
         self._correction = (
             make_correction(spec, self.smoothing, planes, contact, lagrangian) if correction else None
         )
-        touching = make_contact(spec, self.smoothing, planes, self.parts) if contact else None
-        self._strangers, self._contact = touching or (None, None)
+        self._strangers = make_strangers(spec, planes) if contact else None
+        self._contact = make_contact(spec, self.smoothing, planes, self.parts) if contact else None
         self._constitutive = make_constitutive(spec, self._sheet, split, lagrangian)
 
     @property

@@ -105,10 +105,6 @@ def load_with(work: Work) -> None:
     context.Module.load, context.ModuleExec.get_kernel_hooks = load_either, hooks_of_either
 
 
-def unload(_context, module: context.ModuleExec) -> None:
-    """Unload a module: what still wants to run one of its kernels is wrong."""
-
-
 def _ctype(kernel: wp.Kernel, arg) -> type:
     """Type by which an argument is passed."""
     if is_array(arg.type):
