@@ -38,8 +38,8 @@ def run(
 ) -> dict[str, Any]:
     """Run a scene into a folder and give its summary.
 
-    In the main thread SIGINT and SIGTERM end the run after the steps it is taking, a second one at once; their handlers
-    are then put back.
+    In the main thread SIGINT and SIGTERM end the run after the steps it is taking, a second one then without another
+    line written; their handlers are then put back. One run at a time in a process: Warp records launches for all of it.
 
     Args:
         scene: The scene.
