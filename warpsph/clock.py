@@ -53,13 +53,9 @@ class Clock:
             self.count = wp.zeros(2, dtype=wp.int32)
             self.block_dt = wp.zeros(blocks.count, dtype=spec.real)
             self.block_low, self.block_high = (wp.zeros(blocks.count, dtype=spec.vec) for _ in range(2))
+            extremes = {"dt": spec.real, "low": spec.vec, "high": spec.vec, "wear": spec.real}
             for stage, few in zip(STAGES, blocks.folds, strict=False):
-                for name, dtype in (
-                    ("dt", spec.real),
-                    ("low", spec.vec),
-                    ("high", spec.vec),
-                    ("wear", spec.real),
-                ):
+                for name, dtype in extremes.items():
                     setattr(self, f"{stage}_{name}", wp.zeros(few, dtype=dtype))
 
     def read(self) -> Reading:

@@ -23,42 +23,41 @@ class Program:
     def __init__(self, launcher: Launcher, spec: Spec):
         self.captured = True
         self._launcher, self._kernels = launcher, make_team(spec) if launcher.device.is_cpu else None
-        self._step: list[Command] = []
-        self._plan: list[Command] = []
-        self._scores: dict[int, Score] = {}
+        self._commands: dict[str, list[Command]] = {"step": [], "plan": []}
+        self._scores: dict[str, Score] = {}
 
     def bind(self, step: list[Command], plan: list[Command]) -> None:
         """Take other launches, or the same ones after arrays have moved in memory: older scores are dropped."""
-        self._step, self._plan, self._scores = [*step, *plan], plan, {}
+        self._commands, self._scores = {"step": [*step, *plan], "plan": plan}, {}
 
     def run(self, count: int) -> None:
         """Take ``count`` steps; the first one after `bind` one by one, so that all code is on the device."""
-        self._run(self._step, count)
+        self._run("step", count)
 
     def plan(self) -> None:
         """Plan a step without taking one."""
-        self._run(self._plan, 1)
+        self._run("plan", 1)
 
-    def _run(self, commands: list[Command], count: int) -> None:
-        if self.captured and count > 0 and id(commands) not in self._scores:
-            self._launch(commands, 1)
+    def _run(self, which: str, count: int) -> None:
+        if self.captured and count > 0 and which not in self._scores:
+            self._launch(which, 1)
             count -= 1
-            self._record(commands)
+            self._record(which)
         if not self.captured:
-            self._launch(commands, count)
+            self._launch(which, count)
         elif count > 0:
-            self._scores[id(commands)].play(count)
+            self._scores[which].play(count)
 
-    def _launch(self, commands: list[Command], count: int) -> None:
+    def _launch(self, which: str, count: int) -> None:
         with self._launcher.arithmetic:
             for _ in range(count):
-                for command in commands:
+                for command in self._commands[which]:
                     command()
 
-    def _record(self, commands: list[Command]) -> None:
+    def _record(self, which: str) -> None:
         """Record launches without running them; a device that cannot is told so once."""
         try:
-            self._scores[id(commands)] = Score(self._launcher, self._kernels, commands)
+            self._scores[which] = Score(self._launcher, self._kernels, self._commands[which])
         except RuntimeError as error:
             self.captured = False
             device = self._launcher.device

@@ -61,11 +61,9 @@ class Team:
         try:
             self._ask(asked)
             failure = _work(parts[0])
-        except (
-            BaseException
-        ):  # interrupted, perhaps before all were asked: to be asked twice does nobody any harm
+        except BaseException:
             leave()
-            self._ask(asked)
+            self._ask(asked)  # perhaps not all were, and to be asked twice does nobody any harm
             raise
         finally:
             _wait(answers, ended, len(asked))

@@ -103,9 +103,8 @@ def _limits(p: dict[str, np.ndarray], data: SceneData, scheme: Scheme) -> np.nda
             scheme.viscosity_alpha * p["cs"] + scheme.viscosity_beta * p["mu"]
         )
         acceleration = np.linalg.norm(p["dvdt"], axis=1)
-        apart = np.linalg.norm(
-            p["v"] - np.median(p["v"], axis=0), axis=1
-        )  # makes the box of velocities large
+        # who is far from most makes the box of velocities large
+        apart = np.linalg.norm(p["v"] - np.median(p["v"], axis=0), axis=1)
         limits = [
             data.numerics.cfl * data.h / wave,
             ACCELERATION_CFL * np.sqrt(data.h / np.maximum(acceleration, 1e-300)),
